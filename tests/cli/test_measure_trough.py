@@ -25,6 +25,8 @@ NUT = EXAMPLES / "data" / "nut_trough_mv.csv"
 MADE: dict[str, Any] = runpy.run_path(str(EXAMPLES / "data" / "make_nut_trough_mv.py"))
 ALONG, NORMAL = ("--trough-along", "Trog längs"), ("--trough-normal", "Trog normal")
 SENSORS = (*ALONG, *NORMAL, "--sensitivity", "100mV/g")
+EXACT = "tilt=0,gain=0,cross=0,delay=0,angle=0"  # sensors whose noise alone counts
+NOISE_ALONE = ("--sensor", EXACT)
 FRICTION = ("--mu-s", "0.74", "--mu-d", "0.57")
 BOTH = ("--trough-along", "x [m/s^2]", "--trough-normal", "y [g]")
 TRUE = {"amplitude_mm": 1.02, "frequency_hz": 15.003, "drive_angle_deg": 20.5}
@@ -89,7 +91,9 @@ def test_a_motion_whose_speed_is_unresolved_is_exit_code_3(
 
 def test_a_record_of_the_trough_and_a_part_becomes_a_scene_that_is_solved(run: Run) -> None:
     """Both are measured, and compared; the scene file moves along a line, as the facts say."""
-    content = told(run("measure", NUT, *SENSORS, *FRICTION, "-L", "600", "-o", "drive.toml", "--json"))
+    content = told(
+        run("measure", NUT, *SENSORS, *NOISE_ALONE, *FRICTION, "-L", "600", "-o", "drive.toml", "--json")
+    )
     written = scene("drive.toml")
     assert written == content["scene"]
     for column, true in TRUE.items():
@@ -112,10 +116,11 @@ def test_harmonics_are_written_with_the_digits_that_the_record_tells(
 ) -> None:
     path, true = made
     frictions = ("--mu-s", ".4", "--mu-d", ".3")
-    content = told(run("measure", path, *BOTH, *frictions, "-o", "feeder.toml", "-o", "h.csv", "--json"))
+    args = (*BOTH, *NOISE_ALONE, *frictions)
+    content = told(run("measure", path, *args, "-o", "feeder.toml", "-o", "h.csv", "--json"))
     assert content["harmonics_found"] == 3
     assert content["scene"] == scene("feeder.toml")
-    measured = vibro.measured_motion(path, trough_along="x", trough_normal="y")
+    measured = vibro.measured_motion(path, trough_along="x", trough_normal="y", sensor=EXACT)
     read = vibro.read_scene("feeder.toml")
     assert read.along_harmonics is not None
     got = [float(size) * np.exp(1j * float(phase)) for size, phase in read.along_harmonics]
@@ -209,7 +214,8 @@ def test_a_record_in_any_unit_gives_the_same(run: Run, unit: str) -> None:
 
 
 def test_a_part_is_computed_on_the_harmonics_that_change_its_speed(run: Run, parted: Path) -> None:
-    result = run("compare", parted, "--displacement", "way", *BOTH, "--mu-s", ".4", "--mu-d", ".3", "--json")
+    args = ("--displacement", "way", *BOTH, *NOISE_ALONE, "--mu-s", ".4", "--mu-d", ".3", "--json")
+    result = run("compare", parted, *args)
     content = told(result)
     assert re.search(
         r"the trough moves with 3 harmonics, which change the computed speed by [+-]\d", result.stderr
@@ -235,7 +241,7 @@ def test_it_is_computed_on_the_fundamental_where_harmonics_do_not_matter_or_are_
 
 
 def test_harmonics_of_one_sensor_go_along_the_line_of_the_scene(run: Run, parted: Path) -> None:
-    args = ("--displacement", "way", *BOTH[:2], "--mu-s", ".4", "--mu-d", ".3", "--json")
+    args = ("--displacement", "way", *BOTH[:2], *NOISE_ALONE, "--mu-s", ".4", "--mu-d", ".3", "--json")
     found = told(run("measure", parted, *args, "-a", "25"))["scene"]
     slope = np.tan(np.radians(25.0))
     assert found["normal_amplitudes_mm"][2] == pytest.approx(

@@ -45,7 +45,8 @@ class Case(NamedTuple):
         matrix = np.where(np.eye(3), gain, cross) * random.standard_normal((3, 3))
         delays = np.array([0.0, *delay * random.standard_normal(2)])
         offsets = offset * random.standard_normal(3)
-        return Case(*tilt * random.standard_normal(3), matrix, offsets, delays)
+        pitch, yaw, roll = (tilt * random.standard_normal(3)).tolist()
+        return Case(pitch, yaw, roll, matrix, offsets, delays)
 
     @property
     def axes(self) -> Floats:
@@ -101,7 +102,9 @@ def record_of(
         size = line.amplitude * omega**2 / math.hypot(1.0, line.frequency / lowpass)
         proper = np.outer(-size * np.sin(omega * late), way) + gravity * G * up
         response = (np.eye(3) + case.matrix)[place] @ case.axes
-        reading = proper @ response + gravity * case.offsets[place] + noise * random.standard_normal(time.size)
+        reading = (
+            proper @ response + gravity * case.offsets[place] + noise * random.standard_normal(time.size)
+        )
         reading = np.round(reading / step) * step if step else reading
         signals[role] = reading if axis >= 0 else -reading
     return Record(time, {}, signals, {role: role for role in signals})

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from vibro.records.comparison import Comparison
     from vibro.records.fitting import Fit, Parameter
     from vibro.records.measurement import Measurement
+    from vibro.records.reading import Record
     from vibro.records.trough import HopOnset, MeasuredMotion, TroughDrive
     from vibro.sweeps.request import Request
 
@@ -43,10 +44,15 @@ _SLIPS: Final = (
     f" {100.0 * TOL.slide_level:g} % of its peak"
 )
 _WAYS: Final = {"trough_along": "along", "trough_normal": "normal"}
-_CALIBRATIONS: Final = {
-    "gain": f"{100.0 * TOL.gain:g} % of gain",
-    "tilt": f"{math.degrees(TOL.tilt):g} deg of tilt",
-    "delay": f"{1e6 * TOL.delay:g} us between the channels",
+#: Kinds of error, for people.
+_KINDS: Final = {
+    "noise": "noise",
+    "tilt": "tilt",
+    "gain": "gain",
+    "cross": "cross-axis sensitivity",
+    "offset": "offset",
+    "delay": "delay of channels",
+    "angle": "the drive angle as given",
 }
 
 
@@ -75,7 +81,7 @@ def measurement_answer(m: Measurement, data: Path, request: Request) -> Answer:
     }
     tables: list[Table] = []
     if m.trough:
-        facts += _drive_facts(m.trough, request)
+        facts += [*_turn_facts(m.record, m.trough.drive.motion), *_drive_facts(m.trough, request)]
         record["trough"] = _trough_record(m.trough)
     if m.motion and m.onset:
         facts += [*_motion_facts(m, m.motion, m.onset), *_speed_facts(m, m.motion)]
@@ -119,6 +125,23 @@ def scene_file(m: Measurement, data: Path, request: Request) -> str:
 
 
 # --- the trough -----------------------------------------------------------------------------------------
+
+
+def _turn_facts(record: Record, motion: MeasuredMotion) -> list[Fact]:
+    """Say how the sensor is turned, where that is known."""
+    found = motion.placement
+    mounting = found.mounting
+    if not (found.by_gravity or mounting.turned):
+        return []
+    note = "as given"
+    if found.by_gravity:
+        slope, offset = math.degrees(mounting.trough_angle), mounting.errors.offset / 9.80665e-3
+        note = f"from gravity, which is taken off: a trough at {slope:.3g} deg, offsets of {offset:.3g} mg"
+    axes = [record.headers[name] for name in record.trough]
+    if len(axes) > 2:
+        sign = "-" if found.axes[0, found.nearest] < 0.0 else ""
+        note = f"forwards is nearest to {sign}{printable(axes[found.nearest])}; {note}"
+    return [Fact("sensor turned", math.degrees(found.turn), "deg", math.degrees(found.turn_error), note)]
 
 
 def _drive_facts(trough: TroughDrive, request: Request) -> list[Fact]:
@@ -166,11 +189,9 @@ def _speed_facts(m: Measurement, measured: MeasuredMotion) -> list[Fact]:
     ]
     if is_known:
         size, unit = (0.01 * abs(speed), "%") if speed else (1.0, "mm/s")
-        errors = {_CALIBRATIONS[name]: change for name, change in speeds.calibrations.items()}
-        if measured.order > 1:
-            errors["the last harmonic"] = abs(speeds.last_harmonic)
-        changes = ", ".join(f"{shown(_MM * x / size, 2)} {unit} ({name})" for name, x in errors.items())
-        facts.append(Fact("calibration", f"changes the speed by {changes}"))
+        parts = [f"{_KINDS[kind]} {shown(_MM * x / size, 2)} {unit}" for kind, x in speeds.parts.items()]
+        last = f"the last harmonic adds {shown(_MM * abs(speeds.last_harmonic) / size, 2)} {unit} of speed"
+        facts.append(Fact("error from", ", ".join(parts), note=last if measured.order > 1 else ""))
     return facts
 
 
@@ -208,6 +229,11 @@ def _trough_record(trough: TroughDrive) -> dict[str, Any]:
         fact = _estimated(name, estimate)
         content[QUANTITIES[name].column] = {"measured": fact.value, "standard_error": fact.error}
     motion = trough.drive.motion
+    content |= {
+        "turned_deg": math.degrees(motion.placement.turn),
+        "turned_error_deg": math.degrees(motion.placement.turn_error),
+        "turned_by_gravity": motion.placement.by_gravity,
+    }
     content["phase_normal_to_along_deg"] = math.degrees(motion.phase)
     sizes, errors = abs(motion.accelerations[0]).tolist(), motion.acceleration_errors[0].tolist()
     for channel, sensor, size, error in zip(motion.channels, motion.sensors, sizes, errors, strict=True):
@@ -247,7 +273,7 @@ def _motion_record(m: Measurement, measured: MeasuredMotion, onset: HopOnset) ->
             "shares": {regime.label: share for regime, share in speeds.shares.items()},
             "share_without_speed": speeds.unknown,
             "last_harmonic_mm_s": _MM * speeds.last_harmonic,
-            "calibration_mm_s": {name: _MM * x for name, x in speeds.calibrations.items()},
+            "error_parts_mm_s": {kind: _MM * x for kind, x in speeds.parts.items()},
         },
     }
 

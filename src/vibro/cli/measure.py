@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Final
 
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from vibro.cli.outputs import Outputs
     from vibro.records.measurement import Measurement
     from vibro.records.reading import Record
+    from vibro.records.sensors import Mounting
     from vibro.records.trough import TroughDrive
     from vibro.sweeps.request import Request
 
@@ -53,6 +55,16 @@ def measure_command(
     trough_normal: Annotated[
         str | None, option("trough-normal", "Column of that normal to it, upwards.", "HEADER")
     ] = None,
+    trough_across: Annotated[
+        str | None, rare("trough-across", "Column of the third axis of a sensor on the trough.", "HEADER")
+    ] = None,
+    turned: Annotated[
+        str | None, rare("turned", "The sensor's axis along the trough points so far above it.", "DEG")
+    ] = None,
+    sensor: Annotated[
+        str,
+        rare("sensor", "Standard errors of the sensors, by their data sheets.", "tilt=0.2deg,gain=1%,..."),
+    ] = "",
     sensitivity: Annotated[
         list[str] | None, option("sensitivity", "Of sensors in volts; of one velocity=125mm/s/V.", "100mV/g")
     ] = None,
@@ -82,6 +94,7 @@ def measure_command(
     from vibro.quantities import LOAD, MASS, checked_number
     from vibro.records.measurement import measure
     from vibro.records.reading import read_record, read_sensitivities
+    from vibro.records.sensors import TURNED, Mounting, read_sensor_errors
 
     console = options.console
     options, data = _scene_and_record(options)
@@ -89,6 +102,7 @@ def measure_command(
     given = {
         "time": time, "displacement": displacement, "velocity": velocity, "acceleration": acceleration,
         "friction": friction, "trough_along": trough_along, "trough_normal": trough_normal,
+        "trough_across": trough_across,
     }  # fmt: skip
     columns = {name: text for name, text in given.items() if text is not None}
     if not columns and not sensitivity and rate is None and has_speeds(data):
@@ -98,6 +112,11 @@ def measure_command(
         return _measure_speeds(options, data, _fitted_names(fit), every=every)
     record = read_record(data, columns, read_sensitivities(sensitivity or ()), rate=rate)
     console.echo_all(record.notes)
+    angle = None if turned is None else math.radians(checked_number(turned, TURNED))
+    mounting = Mounting(read_sensor_errors(sensor), angle)
+    if not record.trough and (turned or sensor):
+        which = "--turned" if turned else "--sensor"
+        raise InputError(f"{which}: the record holds no motion of the trough", hint="name --trough-along")
     scene = read_scene_file(options.scene).scene if options.scene else {}
     has_friction = not {*options.given, *scene}.isdisjoint(_FRICTIONS)
     compares = _compares(record, options, body, columns, has_friction=has_friction, fits=fit is not None)
@@ -110,8 +129,9 @@ def measure_command(
         if record.trough:
             rest = {} if has_friction or compares else _ANY_FRICTION
             trough, request = _measured_trough(
-                record, options, scene, rest, reverse=reverse, compares=compares, fits=fit is not None
-            )
+                record, options, scene, rest, mounting, reverse=reverse, compares=compares,
+                fits=fit is not None,
+            )  # fmt: skip
             request = replace(request, specs={n: s for n, s in request.specs.items() if n not in rest})
             found = {*trough.drive.quantities, LOAD.name}
             console.echo_all(trough.notes)
@@ -217,6 +237,7 @@ def _measured_trough(
     options: Options,
     scene: Mapping[str, AxisSpec],
     rest: Mapping[str, str],
+    mounting: Mounting,
     *,
     reverse: bool,
     compares: bool,
@@ -249,6 +270,7 @@ def _measured_trough(
         record,
         {name: float(QUANTITIES[name].to_si(value)) for name, value in own.items()},
         others if compares else None,
+        mounting=mounting._replace(trough_angle=others["trough_angle"]),
         reverse=reverse,
         fits=fits,
     )

@@ -120,9 +120,6 @@ class _Tolerances(NamedTuple):
 
     harmonics_matter: float = 1e-3  # of the speed: a smaller change by harmonics is left out of a comparison
     draws: int = 200  # of the noise: their standard deviation is known to 5 %
-    gain: float = 0.02  # usual errors of calibration: of a sensitivity,
-    tilt: float = float(np.radians(1.0))  # [rad] of the way that sensors are put on,
-    delay: float = 50e-6  # [s] and of the time between two channels
 
     # --- comparison -----------------------------------------------------------------------------------
     slide_level: float = 0.1  # of a slide's computed peak speed, at its start and end

@@ -34,6 +34,8 @@ _KEYS: Final[Mapping[str, Quantity]] = {
     )
 }
 # fmt: on
+#: Angle of the sensors' axis along the trough above its surface.
+TURNED: Final = Quantity("turned", ANGLE, allowed=Range(-60.0, 60.0, with_high=True))
 _EXAMPLE: Final = argument("sensor", "tilt=0.2deg,gain=1%,cross=1%,lowpass=100Hz")
 
 
@@ -151,6 +153,8 @@ class Placement(NamedTuple):
         By kind of error, what one standard error of each such error adds to the motion, (errors, H, 2 or 1).
     turn, turn_error : float
         Angle of the axis nearest to forwards above the trough's surface; its standard error [rad].
+    mounting : Mounting
+        What was stated.
     nearest : int
         Which axis that is.
     by_gravity : bool
@@ -163,6 +167,7 @@ class Placement(NamedTuple):
     effects: Mapping[str, Complexes]
     turn: float
     turn_error: float
+    mounting: Mounting = Mounting()
     nearest: int = 0
     by_gravity: bool = False
     warnings: tuple[str, ...] = ()
@@ -266,7 +271,7 @@ def place(
                 f"the trough moves across itself too, by {100.0 * share:.0f} % of what it moves along"
             )
     kept = {kind: np.array(parts) for kind, parts in effects.items()}
-    return Placement(axes, kept, turn(axes), error, nearest, by_gravity, tuple(warnings))
+    return Placement(axes, kept, turn(axes), error, mounting, nearest, by_gravity, tuple(warnings))
 
 
 def _axes(up: Floats, waves: Complexes, slope: float, leads: int) -> Floats:
@@ -322,7 +327,7 @@ def place_one(waves: Complexes, other: float, way: float, mounting: Mounting) ->
         for kind, size in (("gain", errors.gain), ("cross", errors.cross), ("tilt", errors.tilt))
         if size
     }
-    return Placement(np.array([[factor()]]), effects, turned, errors.tilt)
+    return Placement(np.array([[factor()]]), effects, turned, errors.tilt, mounting)
 
 
 def _list(headers: Sequence[str]) -> str:

@@ -1,0 +1,161 @@
+"""The turn of sensors from gravity, and errors of sensors, against records made from kinematics alone."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Final
+
+import numpy as np
+import pytest
+from helpers.turned_sensors import Case, G, Line, record_of
+
+import vibro
+from vibro.errors import InputError
+from vibro.records.sensors import EXACT, Mounting, SensorErrors
+from vibro.records.trough import MeasuredMotion, motion_of, speeds_of
+
+TWO: Final = {"trough_along": 0, "trough_normal": 1}
+THREE: Final = {**TWO, "trough_across": 2}
+FRICTION: Final = {"static_friction": 0.5, "kinetic_friction": 0.4}
+CASES: Final = 40
+GOOD: Final = SensorErrors(gain=1e-3, cross=1e-3, offset=0.01, delay=0.0)
+
+
+def is_the_motion(measured: MeasuredMotion, line: Line, within: float = 2e-3) -> None:
+    drive = measured.drive_on_line()
+    assert drive.quantities["amplitude"].value == pytest.approx(line.amplitude, rel=within)
+    assert drive.quantities["drive_angle"].value == pytest.approx(line.angle, abs=within)
+
+
+@pytest.mark.parametrize("turn", [-50.0, -15.0, 0.0, 15.0, 50.0])
+@pytest.mark.parametrize("climb", [-8.0, 0.0, 5.0])
+def test_gravity_gives_the_turn_of_two_axes(turn: float, climb: float) -> None:
+    line = Line(climb=math.radians(climb))
+    record = record_of(line, Case(pitch=math.radians(turn)), TWO)
+    measured = motion_of(record, Mounting(GOOD, trough_angle=line.climb))
+    is_the_motion(measured, line)
+    assert measured.placement.turn == pytest.approx(math.radians(turn), abs=1e-3)
+    assert measured.placement.by_gravity
+
+
+@pytest.mark.parametrize("roles", [{"trough_along": 0, "trough_normal": ~1}, {**TWO, "trough_along": ~0}])
+def test_axes_that_point_the_other_way_are_turned(roles: dict[str, int]) -> None:
+    """Downwards is known by gravity; backwards is said by the user."""
+    line = Line()
+    record = record_of(line, Case(pitch=0.2), roles)
+    backwards = roles["trough_along"] < 0
+    is_the_motion(motion_of(record, Mounting(GOOD), reverse=backwards), line)
+    with pytest.raises(InputError, match="down while it moves forwards"):
+        motion_of(record, Mounting(GOOD), reverse=not backwards)
+
+
+def test_a_third_axis_gives_the_turn_about_the_normal() -> None:
+    line = Line(climb=0.05)
+    case = Case(pitch=0.2, yaw=-0.7, roll=0.3)
+    is_the_motion(motion_of(record_of(line, case, THREE), Mounting(GOOD, trough_angle=line.climb)), line)
+    # Without gravity the normal is as it is named, or stated.
+    for turned in (0.0, 0.3):
+        record = record_of(line, Case(pitch=turned, yaw=0.6), THREE, gravity=False)
+        is_the_motion(motion_of(record, Mounting(GOOD, turned=turned or None)), line)
+    with pytest.raises(InputError, match=r"'trough_along' for trough_along is 77 deg off"):
+        motion_of(record_of(line, Case(pitch=1.3), THREE), Mounting(GOOD))
+
+
+def test_what_is_stated_is_taken_and_questioned_by_gravity() -> None:
+    line = Line()
+    record = record_of(line, Case(pitch=0.25), TWO)
+    stated = motion_of(record, Mounting(GOOD, turned=0.25))
+    is_the_motion(stated, line)
+    assert not stated.warnings
+    assert stated.placement.turn_error == GOOD.tilt
+    wrong = motion_of(record, Mounting(GOOD, turned=0.0))
+    assert "turned by 14.3 deg, not by 0.0 deg" in wrong.warnings[0]
+    for roles in ({"trough_along": 0}, {"trough_normal": 1}):
+        one = record_of(line, Case(pitch=0.25), roles, gravity=False)
+        drive = motion_of(one, Mounting(GOOD, turned=0.25), drive_angle=line.angle).drive_on_line()
+        assert drive.quantities["amplitude"].value == pytest.approx(line.amplitude, rel=1e-3)
+
+
+def test_a_mean_that_is_not_gravity_turns_nothing() -> None:
+    line = Line()
+    record = record_of(line, Case(), TWO, gravity=False)
+    for offset, is_questioned in ((0.2 * G, False), (0.7 * G, True), (3.0 * G, False)):
+        signals = {**record.trough, "trough_along": record.trough["trough_along"] + offset}
+        other = type(record)(record.time, {}, signals, record.headers)
+        measured = motion_of(other, Mounting(GOOD))
+        is_the_motion(measured, line)
+        assert any("neither 0 nor gravity" in text for text in measured.warnings) == is_questioned
+        assert not measured.placement.by_gravity
+
+
+@pytest.mark.parametrize("corner", [40.0, 100.0])
+def test_a_low_pass_filter_is_taken_off_each_harmonic(corner: float) -> None:
+    line = Line()
+    record = record_of(line, Case(), TWO, gravity=False, lowpass=corner)
+    plain, corrected = (
+        motion_of(record, Mounting(errors)) for errors in (EXACT, EXACT._replace(lowpass=corner))
+    )
+    is_the_motion(corrected, line)
+    loss = math.hypot(1.0, line.frequency / corner)
+    size = plain.drive_on_line().quantities["amplitude"].value
+    assert size == pytest.approx(line.amplitude / loss, rel=2e-3)
+    lag = math.atan(line.frequency / corner) / (math.tau * line.frequency)
+    assert plain.clock - corrected.clock == pytest.approx(lag, rel=0.01)
+
+
+def test_a_line_that_one_sensor_cannot_tell_is_refused() -> None:
+    """A normal sensor at a drive angle of 3 deg that is known to 1 deg."""
+    record = record_of(Line(angle=math.radians(3.0)), Case(), {"trough_normal": 1}, gravity=False)
+    with pytest.raises(InputError, match="cannot measure the motion at a drive angle of 3 deg"):
+        motion_of(record, Mounting(SensorErrors()), drive_angle=math.radians(3.0))
+
+
+def drawn(kind: str, seed: int) -> tuple[Line, Any, Mounting, float | None]:
+    """Draw a trough, and a record by a sensor whose errors are drawn from those that are usual."""
+    random, errors = np.random.default_rng([seed, 7]), SensorErrors()
+    line = Line(
+        frequency=random.uniform(15.0, 30.0),
+        angle=math.radians(random.uniform(12.0, 40.0)),
+        climb=math.radians(random.uniform(-5.0, 5.0)),
+    )
+    load = random.uniform(0.3, 0.8) / math.sin(line.angle)
+    line = line._replace(amplitude=load * 9.81 / (math.tau * line.frequency) ** 2)
+    case = Case.drawn(
+        random, tilt=errors.tilt, gain=errors.gain, cross=errors.cross, offset=errors.offset,
+        delay=errors.delay,
+    )  # fmt: skip
+    options: dict[str, Any] = {"roles": TWO, "gravity": kind in ("gravity", "three")}
+    angle, mounting = None, Mounting(errors, trough_angle=line.climb)
+    if options["gravity"]:
+        case = case._replace(pitch=random.uniform(-0.3, 0.3))
+    if kind == "three":
+        case = case._replace(yaw=random.uniform(-0.4, 0.4), roll=random.uniform(-0.2, 0.2))
+        options["roles"] = THREE
+    if kind == "one":
+        options["roles"] = {"trough_along": 0}
+        angle = line.angle + errors.angle * random.standard_normal()
+    record = record_of(line, case, seed=seed, rate=400.0, step=0.01, **options)
+    return line, record, mounting, angle
+
+
+@pytest.mark.parametrize("kind", ["plane", "gravity", "three", "one"])
+def test_intervals_hold_noise_and_sensors(kind: str) -> None:
+    """Of amplitude, drive angle and speed; shares of 300 records a kind stand in docs/guide/measure.md."""
+    off: dict[str, list[float]] = {"amplitude": [], "angle": [], "speed": []}
+    for seed in range(CASES):
+        line, record, mounting, angle = drawn(kind, seed)
+        measured = motion_of(record, mounting, drive_angle=angle)
+        size, way = measured.drive_on_line().quantities["amplitude"], measured.line_angle
+        off["amplitude"].append((size.value - line.amplitude) / size.error)
+        off["angle"].append((way.value - line.angle) / way.error)
+        others = {**FRICTION, "trough_angle": line.climb}
+        scene = vibro.Scene(
+            amplitude=line.amplitude, frequency=line.frequency, drive_angle=line.angle, **others
+        )
+        speed = speeds_of(measured, others, draws=60).speed
+        off["speed"].append((speed.value - float(vibro.solve(scene).mean_velocity)) / speed.error)
+    for name, values in off.items():
+        sizes = np.abs(values)
+        assert np.mean(sizes < 1.96) > 0.85, name
+        assert 0.7 < np.sqrt(np.mean(np.square(values))) < 1.3, name
+        assert sizes.max() < 5.0, name
