@@ -126,22 +126,33 @@ def test_channels_of_uff_without_a_title_are_called_by_node_and_direction(tmp_pa
     np.testing.assert_allclose(table.columns[2], SLOW.normal, rtol=1e-9)
 
 
-HEADER = "LabVIEW Measurement\t\nSeparator\tTab\n***End_of_Header***\t\nChannels\t2\n"
-CHANNELS = "Y_Unit_Label\tg\tmm\nX0\t0.5\t{0}\nDelta_X\t0.25\t0.25\n***End_of_Header***\nX_Value\ta\tb\n"
+HEADER = "LabVIEW Measurement\t\nSeparator\tTab\n***End_of_Header***\t\nSamples\t2\t2\n"
+CHANNELS = (
+    "Y_Unit_Label\tg\tmm\nX0\t0.5\t{0}\nDelta_X\t0.25\t0.25\n***End_of_Header***\nX_Value\ta\tb\tComment\n"
+)
+
+
+def labview(text: str) -> tuple[list[str], list[str]]:
+    """Return the lines of a table that are not empty, after as many as the header has, and the notes."""
+    table, notes = lvm_table(Path("a.lvm"), text)
+    lines = table.split("\n")
+    assert not any(lines[:8])
+    return [line for line in lines[8:] if line], notes
 
 
 def test_rows_of_labview_keep_their_numbers() -> None:
-    rows = "\t1\t2\n\t3\t4\n"
-    text, notes = lvm_table(Path("a.lvm"), HEADER + CHANNELS.format("0.5") + rows)
-    assert text.splitlines()[8:] == ["X_Value [s]\ta [g]\tb [mm]", "0.5\t1\t2", "0.75\t3\t4"]
-    assert not notes
-    text, notes = lvm_table(
-        Path("a.lvm"), HEADER + CHANNELS.format("0.5") + rows + CHANNELS.format("9") + rows
-    )
-    assert text.splitlines()[10] == "0.75\t3\t4"
-    assert notes
+    """Of two blocks the first one is read; channels without samples may state other times."""
+    without, own = "\t1\t2\n\t3\t4\tstart\n", "7\t1\t2\r\n8\t3\t4\tstart\r\n"
+    same, later = CHANNELS.format("0.5"), CHANNELS.format("0.6")
+    names = "X_Value [s]\ta [g]\tb [mm]"
+    assert labview(HEADER + same + without) == ([names, "0.5\t1\t2", "0.75\t3\t4"], [])
+    assert labview(HEADER + later + own) == ([names, "7\t1\t2", "8\t3\t4"], [])
+    empty = HEADER.replace("2\t2", "2\t0") + later + without
+    assert labview(empty)[0] == ["X_Value [s]\ta [g]\tb", "0.5\t1\t2", "0.75\t3\t4"]
+    lines, notes = labview(HEADER + same + without + "Channels\t2\n" + same + without)
+    assert (lines, len(notes)) == ([names, "0.5\t1\t2", "0.75\t3\t4"], 1)
     with pytest.raises(InputError, match="step differently"):
-        lvm_table(Path("a.lvm"), HEADER + CHANNELS.format("0.6") + rows)
-    for cut in (20, len(HEADER), len(HEADER) + len(CHANNELS.format("0.5")) - len("\nX_Value\ta\tb\n")):
+        labview(HEADER + later + without)
+    for end in (20, len(HEADER), (HEADER + same).index("\nX_Value")):
         with pytest.raises(InputError, match="without the end of its headers"):
-            lvm_table(Path("a.lvm"), (HEADER + CHANNELS.format("0.5"))[:cut])
+            labview((HEADER + same)[:end])

@@ -38,7 +38,7 @@ class Channels(NamedTuple):
 
 
 _EXPORT: Final = "export it again, or as CSV"
-_UFF: Final = re.compile(rb"\s{0,4}-1\s+(?:15|58|151|164)b?\s")
+_UFF: Final = re.compile(rb" {4}-1 *\r?\n *(?:15|18|55|58|82|151|164|1858|24\d\d)b?\s")
 
 
 def read_channels(path: Path) -> Channels | None:
@@ -146,7 +146,7 @@ def _uff(path: Path) -> Iterator[_Channel]:
     titles = [found["id1"].strip() for found in sets]
     for found, title in zip(sets, titles, strict=True):
         node, way = found["rsp_node"], found["rsp_dir"]
-        place = f"{node}:{'-' if way < 0 else '+'}{' XYZ'[abs(way) % 4]}"
+        place = f"{node}:{'-' if way < 0 else '+'}{'XYZ'[abs(way) - 1]}" if 1 <= abs(way) <= 3 else f"{node}"
         name = title if title not in ("", "NONE") and titles.count(title) == 1 else place
         unit = found["ordinate_axis_units_lab"].strip()
         values, times = (np.asarray(found[key], np.float64) for key in ("data", "x"))
@@ -226,17 +226,20 @@ def lvm_table(path: Path, text: str) -> tuple[str, list[str]]:
     def stated(key: str, place: int) -> str:
         return of[key][place].strip() if place < len(of.get(key, ())) else ""
 
-    places = [i for i, name in enumerate(names) if name.strip() not in ("X_Value", "Comment", "")]
+    while names[1:] and names[-1].strip() in ("Comment", ""):  # fewer rows have these cells
+        del names[-1]
+    places = [i for i, name in enumerate(names) if name.strip() != "X_Value" and stated("Samples", i) != "0"]
+    rows = [separator.join(row.split(separator)[: len(names)]).rstrip("\r") for row in lines[first:last]]
+    has_times = bool(rows and rows[0].split(separator)[0].strip())
     steps = {(stated("X0", i), stated("Delta_X", i)) for i in places}
-    if len(steps) > 1:
+    if len(steps) > 1 and not (has_times and [name.strip() for name in names].count("X_Value") == 1):
         several = f"{path}: its channels begin at different times, or step differently"
         raise InputError(several, hint="export those that you need, with one column of times")
     for i in places:
         names[i] += f" [{unit}]" if (unit := stated("Y_Unit_Label", i)) else ""
     names[0] += " [s]" if "Time" in of.get("X_Dimension", "Time") else ""
-    rows = lines[first:last]
     start, step = (_number(x) for x in steps.pop()) if steps else (None, None)
-    if step and rows and not rows[0].split(separator)[0].strip():
+    if step and not has_times:
         point = "," if any(line.startswith("Decimal_Separator\t,") for line in lines[: ends[0]]) else "."
         times = [f"{(start or 0.0) + i * step!r}".replace(".", point) for i in range(len(rows))]
         rows = [t + row.lstrip(" ") if row.strip() else "" for t, row in zip(times, rows, strict=True)]
