@@ -38,7 +38,7 @@ class Channels(NamedTuple):
 
 
 _EXPORT: Final = "export it again, or as CSV"
-_UFF: Final = re.compile(rb" {4}-1 *\r?\n *(?:15|18|55|58|82|151|164|1858|24\d\d)b?\s")
+_UFF: Final = re.compile(rb" {4}-1 *\r?\n *(?:15|18|55|58|82|151|164|1858|24[0-9][0-9])b?\s")
 
 
 def read_channels(path: Path) -> Channels | None:
