@@ -216,8 +216,8 @@ def test_the_digits_of_numbers_are_ascii(digits: str, tmp_path: Path) -> None:
         with pytest.raises(InputError):
             parse_axis(axis, QUANTITIES["amplitude"])
     record = tmp_path / "record.csv"
-    record.write_text(f"t [s];X [mm]\n0;{digits}\n1;2\n", encoding="utf-8")
-    with pytest.raises(InputError, match="row 2"):
+    record.write_text(f"t [s];X [mm]\n0;2\n1;{digits}\n2;2\n", encoding="utf-8")
+    with pytest.raises(InputError, match="row 3"):
         read_record(record)
 
 

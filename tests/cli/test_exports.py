@@ -5,24 +5,9 @@ from __future__ import annotations
 import json
 import math
 from pathlib import Path
-from typing import Final
 
 from helpers.commands import Run
 from helpers.exports import AMPLITUDE_MM, ANGLE_DEG, FREQUENCY, Export, binary_exports, text_exports
-
-#: Of these the motion is not found yet.
-REFUSED: Final = {
-    "phyphox, first row twice", "Physics Toolbox, clock times", "Klipper", "Klipper, a row of settings above",
-    "YADE saveDataTxt", "LIGGGHTS fix print", "LAMMPS fix ave/time", "gnuplot, aligned, blank lines",
-    "numpy.savetxt", "numpy.savetxt with names", "MATLAB writematrix", "TwinCAT Scope, EOF",
-    "TwinCAT Scope, rows of settings", "TwinCAT Scope, two rates, fill none",
-    "TwinCAT Scope, two rates, fill previous value", "enDAQ", "Witmotion",
-    "MEAS, three header rows, epoch ms", "clock of whole ms at 1600 Hz", "epoch in ns",
-    "times of day over midnight", "ISO dates with a zone", "dates without a zone, decimal commas",
-    "rows of mean, max and min", "thousands separators",
-    "Excel sep=;, byte order mark, mg, trailing separators", "inches a second", "mils", "no time",
-    "ARTS, no header, no time",
-}  # fmt: skip
 
 
 def misses(stdout: str) -> list[str]:
@@ -63,7 +48,7 @@ def failure(run: Run, export: Export) -> str:
 
 def test_every_export_of_a_motion_gives_the_motion(run: Run) -> None:
     wrong = {export.name: why for export in text_exports() if (why := failure(run, export))}
-    assert not {name: why for name, why in wrong.items() if name not in REFUSED}
+    assert not wrong
 
 
 def test_files_of_other_formats_give_the_motion(run: Run) -> None:

@@ -4,20 +4,38 @@ from __future__ import annotations
 
 import math
 import re
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibro.errors import InputError, argument, cut, did_you_mean, shown
-from vibro.files.reading import read_text, rows_of
 from vibro.quantities import RATE, checked_number
-from vibro.records.formats import lvm_table, read_channels
-from vibro.units import LENGTH, SPEED
+from vibro.records import clocks
+from vibro.records.channels import (
+    CELLS_NAMED,
+    DELETE,
+    DERIVATIVES,
+    KINDS,
+    LARGEST,
+    SIGNALS,
+    TROUGH,
+    WORDS,
+    Flags,
+    Header,
+    Unit,
+    headers_of,
+    kinds_of,
+    split_header,
+)
+from vibro.records.channels import SIGNAL_UNITS as SIGNAL_UNITS
+from vibro.records.channels import Table as Table
+from vibro.records.channels import signal_unit as signal_unit
+from vibro.records.formats import read_channels
+from vibro.records.texts import text_table
 
 if TYPE_CHECKING:
     from vibro.reals import Floats
@@ -32,15 +50,15 @@ class _Tolerances(NamedTuple):
     # --- reading --------------------------------------------------------------------------------------
     # Largest value in a record, or in a scene that is compared with one [SI]; the smallest in a scene is its
     # inverse. Fourth powers are summed over the rows and must stay far below the largest double.
-    largest: float = 1e20
+    largest: float = LARGEST
     # Ratio of measured and computed size, either way, from which a unit is doubted: less than 10, as a
     # sensitivity may be wrong by 10 and the motion a little smaller than computed.
     far_off: float = 7.0
     far_angle: float = float(np.radians(20.0))  # [rad] from the scene's drive angle: sensors may be exchanged
-    looked_at: int = 300  # rows in which separator and header are searched
     gap: float = 3.5  # usual steps of the time in one step: two missing rows and the rounding of times
+    even: float = 0.5  # of the usual step: largest deviation of a step of a slower column
+    fewest_values: int = 4  # of a column that is sampled more slowly than others
     skipped: float = 0.05  # largest share of rows without a value
-    cells_named: int = 5  # bad cells of a column, or rows, that a message names
     headers_named: int = 12  # headers that a message names
 
     # --- harmonic regression --------------------------------------------------------------------------
@@ -193,70 +211,6 @@ TOL: Final = _Tolerances()
 # ------------------------------------------------------------------------------
 # Signals of a record: their names, their units as programs spell them, the sensitivities of voltages.
 
-#: Kind of a unit, a key of ``SIGNAL_UNITS``, and its size in SI units.
-_Unit = tuple[str, float]
-#: Signals of the body that a record may hold; each name but friction's is also the kind of its unit.
-_SIGNALS: Final = ("displacement", "velocity", "acceleration", "friction")
-#: Motions of the trough that it may hold: along the trough's surface, normal to it, and across both.
-_TROUGH: Final = ("trough_along", "trough_normal", "trough_across")
-#: Kinds of unit that a motion of the trough may have, with the derivatives from each to the acceleration.
-DERIVATIVES: Final[Mapping[str, int]] = {"acceleration": 0, "velocity": 1, "displacement": 2}
-#: Kind of unit of each column; of the trough's the usual one.
-_KINDS: Final[Mapping[str, str]] = {r: r for r in ("time", *_SIGNALS)} | {
-    "friction": "force",
-    **dict.fromkeys(_TROUGH, "acceleration"),
-}
-
-
-def _per_time(suffix: str) -> dict[str, float]:
-    return {f"{unit}{suffix}": float(size / 1000) for unit, size in LENGTH.sizes.items()}
-
-
-# Units of each kind, and their sizes in SI units; hints use the first one.
-SIGNAL_UNITS: Final[Mapping[str, Mapping[str, float]]] = {
-    "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "\u00b5s": 1e-6, "min": 60.0},
-    "displacement": _per_time(""),
-    "velocity": {unit: float(size / 1000) for unit, size in SPEED.sizes.items()},
-    "acceleration": {"m/s^2": 1.0, "g": 9.80665} | _per_time("/s^2"),
-    "force": {"N": 1.0, "mN": 1e-3, "kN": 1e3},
-    "voltage": {"V": 1.0, "mV": 1e-3},
-}
-_BY_NAME: Final = {
-    unit.casefold().replace("^", ""): (kind, size)
-    for kind, sizes in SIGNAL_UNITS.items()
-    for unit, size in sizes.items()
-}
-# Spellings of MATLAB, SolidWorks and the column names of vibro.
-_SPELLINGS: Final = (
-    (r"seconds?|sec", "s"),
-    (r"newtons?", "n"),
-    (r"volts?", "v"),
-    (r"\u00b2", "2"),
-    (r"[\s\u00b7.*^]", ""),
-    (r"(?<=[mn])_(?=s)", "/"),
-)
-
-
-def signal_unit(text: str) -> _Unit | None:
-    """Return the kind and the size of a unit.
-
-    Parameters
-    ----------
-    text : str
-        A unit such as ``mm``, ``mm/sec**2``, ``m_s2``, ``newton`` or ``mV``.
-
-    Returns
-    -------
-    Unit or None
-        None if the text is no unit of a signal.
-    """
-    if text == "v":  # a velocity's name, not a volt
-        return None
-    name = text.casefold()
-    for spelling, plain in _SPELLINGS:
-        name = re.sub(spelling, plain, name)
-    return _BY_NAME.get(name)
-
 
 def doubt(sensitivity: str) -> str:
     """Question the sensitivity of a signal of the wrong size, or its unit if it has no sensitivity."""
@@ -266,11 +220,6 @@ def doubt(sensitivity: str) -> str:
 def rounded(ratio: float) -> str:
     """Write a ratio to two digits, such as 1000, not 1e+03."""
     return f"{float(f'{ratio:.2g}'):g}"
-
-
-def _kinds_of(role: str) -> tuple[str, ...]:
-    """Return the kinds of unit that a column may have, the usual one first."""
-    return tuple(DERIVATIVES) if role in _TROUGH else (_KINDS[role],)
 
 
 def _a(kind: str) -> str:
@@ -294,7 +243,7 @@ class _Sensitivity(NamedTuple):
     text : str
         The sensitivity as typed.
     role : str
-        Column that it is for, a key of ``_KINDS``; empty for every voltage of its kind.
+        Column that it is for, a key of ``KINDS``; empty for every voltage of its kind.
     kind : str
         Kind of unit that the sensor measures, a key of ``SIGNAL_UNITS``.
     per_volt : float
@@ -313,7 +262,7 @@ class _Sensitivity(NamedTuple):
 
     def serves(self, role: str) -> bool:
         """Whether it applies to a voltage in the column of a signal."""
-        return self.role == role if self.role else self.kind == _KINDS[role]
+        return self.role == role if self.role else self.kind == KINDS[role]
 
 
 # Possessive quantifiers: the time for a text is proportional to its length, not to the square of it.
@@ -358,8 +307,8 @@ def _sensitivity(text: str) -> _Sensitivity:
     name, equals, value = text.rpartition("=")
     role = name.strip().removeprefix("--").replace("-", "_").casefold()
     given = _given(text)
-    if equals and (role not in _KINDS or role == "time"):
-        known = ", ".join(r.replace("_", "-") for r in _KINDS if r != "time")
+    if equals and (role not in KINDS or role == "time"):
+        known = ", ".join(r.replace("_", "-") for r in KINDS if r != "time")
         raise InputError(f"{given}: {shown(name.strip())} is no signal", hint=f"signals are {known}")
     value = value.strip()
     match = _SENSITIVITY.fullmatch(value)
@@ -370,9 +319,9 @@ def _sensitivity(text: str) -> _Sensitivity:
     if unit is None:
         raise InputError(f"{given}: {shown(unit_text)} is no unit of a sensitivity", hint=_HINT)
     kind, size, inverse = unit
-    if role and kind not in _kinds_of(role):
-        other = f"{given}: {shown(unit_text)} is no sensitivity of {_a(' or '.join(_kinds_of(role)))}"
-        raise InputError(other, hint=f"write it like {_EXAMPLES[_KINDS[role]]}")
+    if role and kind not in kinds_of(role):
+        other = f"{given}: {shown(unit_text)} is no sensitivity of {_a(' or '.join(kinds_of(role)))}"
+        raise InputError(other, hint=f"write it like {_EXAMPLES[KINDS[role]]}")
     if number == 0.0 or not math.isfinite(number):
         raise InputError(f"{given}: must be finite and not 0", hint=_HINT)
     per_volt = number * size if inverse else size / number
@@ -401,39 +350,9 @@ def _unit(text: str) -> tuple[str, float, bool] | None:
 # ------------------------------------------------------------------------------
 # Find the columns of a table that hold the signals, by their units or by the names that a user gives.
 
-# Words in a header that decide between columns whose units are of the same kind.
-_WORDS: Final = {
-    role: re.compile(rf"(?:{words})(?:[\W_\d].*)?", re.IGNORECASE)
-    for role, words in (
-        ("time", r"time|zeit|t"),
-        ("displacement", r"displacement|position|weg|relative.*|x|xi|s"),
-        ("velocity", r"velocity|speed|geschwindigkeit|relative.*|v|vx"),
-        ("acceleration", r"acceleration|beschleunigung|relative.*|a|ax"),
-        ("friction", r"friction|friction force|reibkraft|f"),
-    )
-}
-_BRACKETS: Final = re.compile(r"(.*?)\s*[\[(](?:in\s+)?([^\])]*)[\])]\s*")
-_IN: Final = re.compile(r"(.*\S)\s+(?:in|/)\s+(\S.*)", re.IGNORECASE)  # Zeit in s, or Zeit / s
-_OVER: Final = re.compile(r"([^/]*[^/\s])\s*/\s*(\S.*)")  # Zeit/s, v/mm/s
-
-
-class _Header(NamedTuple):
-    """Header of a column: its place, text and names, and the kind and size of its unit."""
-
-    place: int
-    text: str
-    names: tuple[str, ...]
-    stated: str
-    unit: _Unit | None
-
-    @property
-    def name(self) -> str:
-        """Its name, without the unit."""
-        return self.names[0]
-
 
 class _Wanted(NamedTuple):
-    """Columns that a user names: headers by the keys of ``_KINDS``, and the sensitivities of voltages.
+    """Columns that a user names: headers by the keys of ``KINDS``, and the sensitivities of voltages.
 
     Signals of the body are needed unless ``body`` is false: then motions of the trough are. A sampling rate
     stands for a column of time.
@@ -451,14 +370,14 @@ class _Column(NamedTuple):
     ``typed`` is its unit, if the user gave it.
     """
 
-    header: _Header
+    header: Header
     kind: str
     size: float
     sensitivity: _Sensitivity | None = None
     typed: str = ""
 
 
-#: Columns by the keys of ``_KINDS``.
+#: Columns by the keys of ``KINDS``.
 _Columns = dict[str, _Column]
 
 _NAME_ONE: Final = (
@@ -469,54 +388,6 @@ _NAME_THE_TROUGH: Final = (
     "name one or both, with the unit:"
     f" {argument('trough_along', 'ax [m/s^2]')} {argument('trough_normal', 'ay [m/s^2]')}"
 )
-
-
-def _headers(table: Table) -> list[_Header]:
-    """Take the names and units of the columns apart."""
-    headers = []
-    for place, texts in enumerate(zip(table.names, *table.also, strict=True)):
-        unit = table.units[place] if table.units else ""
-        split = [_split(text) for text in texts]
-        stated = unit or split[0][1]
-        text = f"{texts[0]} [{unit}]" if unit else texts[0]
-        names = tuple(dict.fromkeys([*(name for name, _ in split), *texts]))
-        size = signal_unit(stated) if stated else _unit_at_end(split[0][0])
-        headers.append(_Header(place, text, names, stated, size))
-    return headers
-
-
-def _split(text: str) -> tuple[str, str]:
-    """Split ``X [mm]``, ``X in mm`` or ``X/mm`` into name and unit."""
-    if match := _BRACKETS.fullmatch(text):
-        name = match[1].removesuffix("/")
-        if name == match[1]:
-            return name, match[2].strip()
-        parts = name.rstrip(), match[2].strip()
-        return parts if signal_unit(parts[1]) is None or _is_quotient(*parts) else (text, "")
-    if signal_unit(text):  # m / s is a unit
-        return text, ""
-    if (match := _IN.fullmatch(text)) and signal_unit(match[2].strip()):
-        return match[1], match[2].strip()
-    match = _OVER.fullmatch(text)
-    return (match[1], match[2].strip()) if match and _is_quotient(match[1], match[2].strip()) else (text, "")
-
-
-def _is_quotient(name: str, unit_text: str) -> bool:
-    """Whether a text is the name of a signal over its unit, as ``s/mm``, unlike ``N/mm`` and ``Weg/s``."""
-    unit = signal_unit(unit_text)
-    if unit is None:
-        return False
-    kinds = [_KINDS[role] for role, word in _WORDS.items() if word.fullmatch(name)]
-    return unit[0] in (*kinds, "voltage") if kinds else signal_unit(name) is None
-
-
-def _unit_at_end(name: str) -> _Unit | None:
-    """Return the unit at the end of a name in vibro's own tables, such as ``velocity_mm_s``."""
-    words = name.split("_")
-    for count in (2, 1):
-        if len(words) > count and (unit := signal_unit("_".join(words[-count:]))):
-            return unit
-    return None
 
 
 def _columns_of(table: Table, wanted: _Wanted) -> _Columns:
@@ -537,38 +408,49 @@ def _columns_of(table: Table, wanted: _Wanted) -> _Columns:
         If a column is missing, ambiguous, without a unit, or named twice; if a voltage lacks a sensitivity,
         or a sensitivity a voltage.
     """
-    path, headers = table.path, _headers(table)
+    path, headers = table.path, headers_of(table)
     problems, hints, found = list[str](), list[str](), _Columns()
-    # A user who names one signal wants no others; the time is always needed.
-    named_one = any(role in wanted.headers for role in _SIGNALS)
-    clock = () if wanted.rate or table.step is not None else ("time",)
-    sought = clock if named_one or not wanted.body else (*clock, *_SIGNALS)
-    named = [role for role in _KINDS if role in wanted.headers]
-    for role in dict.fromkeys([*named, *sought]):
+    # A user who names one signal wants no others; the time is always needed, and chosen by its signals.
+    named = [role for role in KINDS if role in wanted.headers and role != "time"]
+    sought = () if not wanted.body or any(role in named for role in SIGNALS) else SIGNALS
+    clock = () if wanted.rate or (table.step is not None and "time" not in wanted.headers) else ("time",)
+    for role in dict.fromkeys([*named, *sought, *clock]):
+        taken = {column.header.place for column in found.values()}
         try:
             if role in wanted.headers:
-                found[role] = _named(path, headers, role, wanted)
-            else:
-                taken = {column.header.place for column in found.values()}
-                if _KINDS[role] not in {found[name].kind for name in _TROUGH if name in found}:
-                    found |= _detected(path, [h for h in headers if h.place not in taken], role)
+                found[role] = _named(table, headers, role, wanted, taken)
+            elif KINDS[role] not in {found[name].kind for name in TROUGH if name in found}:
+                found |= _detected(table, headers, role, taken)
         except InputError as exc:
-            if role in _SIGNALS and role not in wanted.headers and not found.keys().isdisjoint(_TROUGH):
+            if role in SIGNALS and role not in wanted.headers and not found.keys().isdisjoint(TROUGH):
                 continue  # the trough alone is measured too
             problems += exc.raw[0]
             hints += [exc.raw[1]]
+    taken = {column.header.place for column in found.values()}
     if not problems and clock and "time" not in found:
+        free = [h for h in headers if h.place not in taken and h.unit is None]
+        free.sort(key=lambda h: WORDS["time"].fullmatch(h.name) is None)
+        name = (
+            f"name it, with its unit: {argument('time', f'{_call(free[0], headers)} [s]')}; or "
+            if free
+            else ""
+        )
         problems.append(f"{path}: no column of time found among {_list(headers)}")
-        rate = f"or give the sampling rate: {argument('rate', '1000')}"
-        hints.append(f"name it, with its unit: {argument('time', 't [s]')}; {rate}")
-    if not problems and found.keys().isdisjoint((*_SIGNALS, *_TROUGH) if wanted.body else _TROUGH):
+        hints.append(f"{name}give the sampling rate: {argument('rate', '1000')}")
+    if not problems and found.keys().isdisjoint((*SIGNALS, *TROUGH) if wanted.body else TROUGH):
         what = "signal found" if wanted.body else "motion of the trough named"
         problems.append(f"{path}: no {what} among {_list(headers)}")
         hints.append(_NAME_ONE if wanted.body else _NAME_THE_TROUGH)
     if problems:
         raise InputError(*problems, hint="\n".join(dict.fromkeys(filter(None, hints))))
     _check_use(path, found, wanted)
-    return {role: found[role] for role in _KINDS if role in found}
+    return {role: found[role] for role in KINDS if role in found}
+
+
+def _call(header: Header, headers: Sequence[Header]) -> str:
+    """Return the name by which a user can choose a column: its number if it has none of its own."""
+    same = [h for h in headers if header.name.casefold() in map(str.casefold, h.names)]
+    return header.name if header.name and len(same) == 1 else f"{header.place + 1}"
 
 
 def _check_use(path: Path, columns: _Columns, wanted: _Wanted) -> None:
@@ -581,27 +463,36 @@ def _check_use(path: Path, columns: _Columns, wanted: _Wanted) -> None:
     used = [column.sensitivity for column in columns.values()]
     for sensitivity in wanted.sensitivities:
         if sensitivity not in used:
-            role = sensitivity.role or next(name for name in _SIGNALS if _KINDS[name] == sensitivity.kind)
+            role = sensitivity.role or next(name for name in SIGNALS if KINDS[name] == sensitivity.kind)
             none = f"{path}: no column that is read as {role.replace('_', ' ')} is a voltage for"
             hint = f"name the column, {argument(role, 'HEADER')}, or leave the sensitivity out"
             raise InputError(f"{none} {argument('sensitivity', sensitivity.text)}", hint=hint)
 
 
-def _named(path: Path, headers: list[_Header], role: str, wanted: _Wanted) -> _Column:
-    """Find the column that a user names; its unit is the one in its header, or else in the user's name."""
-    key = wanted.headers[role].strip()
-    name, unit_text = _split(key)
+def _named(table: Table, headers: list[Header], role: str, wanted: _Wanted, taken: set[int]) -> _Column:
+    """Find the column that a user names; its unit is the one that the user gives, or else in its header."""
+    path, key = table.path, wanted.headers[role].strip()
+    name, unit_text = split_header(key)
     found = (
         [h for h in headers if h.text == key]
         or [h for h in headers if h.text.casefold() == key.casefold()]
-        or [h for h in headers if name.casefold() in map(str.casefold, h.names)]
-        or [h for h in headers if name == str(h.place + 1)]
+        or [
+            h for h in headers if not {key.casefold(), name.casefold()}.isdisjoint(map(str.casefold, h.names))
+        ]
     )
-    kind = _KINDS[role]
+    if len(found) != 1:
+        found = [h for h in headers if name == str(h.place + 1)] or found
+    if not found and len(headers) == 1:  # whatever it is called
+        found, unit_text = headers, unit_text or key * (signal_unit(key) is not None)
+    kind = KINDS[role]
     if not found:
-        hint = did_you_mean(key, (h.text for h in headers)) or "write it as the header row does"
+        number = argument(role, f"2 [{next(iter(SIGNAL_UNITS[kind]))}]")
+        number = f"give its name or its number, with its unit: {number}"
+        hint = did_you_mean(key, (h.text for h in headers if h.name)) or number
         missing = f"{path}: no column {shown(key)} for {role}; its columns are {_list(headers)}"
         raise InputError(missing, hint=hint)
+    if len(found) > 1 and role == "time":
+        found = _nearest(table, found, taken)
     if len(found) > 1:
         several = f"{path}: {len(found)} columns are called {shown(key)}"
         number = argument(role, f"{found[0].place + 1}{f' [{unit_text}]' if unit_text else ''}")
@@ -609,7 +500,9 @@ def _named(path: Path, headers: list[_Header], role: str, wanted: _Wanted) -> _C
     (header,) = found
     typed = unit_text if key.casefold() != header.text.casefold() else ""
     unit = signal_unit(typed) if typed else header.unit
-    if unit is not None and unit[0] in _kinds_of(role):
+    if role == "time":
+        unit = _clock_unit(table, header, unit, typed=bool(typed))
+    if unit is not None and unit[0] in kinds_of(role):
         return _Column(header, *unit, typed=typed)
     column, example = f"{path}: column {shown(header.text)} for {role}", _EXAMPLES.get(kind)
     if unit is not None and unit[0] == "voltage" and example:
@@ -621,43 +514,62 @@ def _named(path: Path, headers: list[_Header], role: str, wanted: _Wanted) -> _C
         own = argument("sensitivity", f"{role.replace('_', '-')}={example}")
         missing = f"{column}: the sensitivity of its sensor is missing"
         raise InputError(missing, hint=f"give a sensitivity of {_a(kind)}: {own}")
-    stated, kinds = typed or header.stated, " or ".join(_kinds_of(role))
+    stated, kinds = typed or header.stated, " or ".join(kinds_of(role))
     problem = f"{shown(stated)} is no unit of {kinds}" if stated else "it has no unit"
     usual, units = next(iter(SIGNAL_UNITS[kind])), ", ".join(SIGNAL_UNITS[kind])
-    named = argument(role, f"{header.name} [{usual}]")
+    named = argument(role, f"{_call(header, headers)} [{usual}]")
     hint = f"write the unit in brackets: {named}; units of {kind} are {units}"
     voltage = f", or mV and V with {argument('sensitivity', example)}" if example else ""
     raise InputError(f"{column}: {problem}", hint=hint + voltage)
 
 
-def _detected(path: Path, headers: list[_Header], role: str) -> _Columns:
+def _detected(table: Table, headers: list[Header], role: str, taken: set[int]) -> _Columns:
     """Find the column whose unit fits, among several the one whose name fits; empty if there is none."""
-    fitting = [_Column(h, *h.unit) for h in headers if h.unit and h.unit[0] == _KINDS[role]]
+    units = {h.place: h.unit for h in headers if h.place not in taken}
+    if role == "time":
+        units |= {p: _clock_unit(table, headers[p], unit) for p, unit in units.items()}
+    fitting = [_Column(headers[p], *unit) for p, unit in units.items() if unit and unit[0] == KINDS[role]]
     if len(fitting) > 1:
-        fitting = [column for column in fitting if _WORDS[role].fullmatch(column.header.name)] or fitting
+        fitting = [c for c in fitting if any(map(WORDS[role].fullmatch, c.header.names))] or fitting
+    if len(fitting) > 1 and role == "time" and len({c.header.text.casefold() for c in fitting}) == 1:
+        nearest = _nearest(table, [column.header for column in fitting], taken)
+        fitting = [column for column in fitting if column.header in nearest]
     if len(fitting) > 1:
-        several = f"{path}: {_list([column.header for column in fitting])} could each be the {role}"
+        several = f"{table.path}: {_list([column.header for column in fitting])} could each be the {role}"
         first = fitting[0].header.text
         own = f" of a part, {argument('trough_along', first)} of the trough" if role in DERIVATIVES else ""
         raise InputError(several, hint=f"choose: {argument(role, first)}{own}")
     return {role: fitting[0]} if fitting else {}
 
 
-def _list(headers: Sequence[_Header]) -> str:
-    texts = [shown(h.text) for h in headers if h.text]
+def _clock_unit(table: Table, header: Header, unit: Unit | None, *, typed: bool = False) -> Unit | None:
+    """Return the unit of a column: its own, but of times of day, and of times since 1970 if none is typed."""
+    cells = table.columns[header.place]
+    if cells.dtype == object:
+        return ("time", 1.0) if clocks.is_clock(cells) else unit
+    if typed or (unit and unit[0] != "time"):
+        return unit
+    value = next((float(x) for x in cells if x == x), 0.0)
+    size = clocks.epoch_unit(value, unit[1] if unit else None)
+    return ("time", size) if size else unit
+
+
+def _nearest(table: Table, found: list[Header], places: set[int]) -> list[Header]:
+    """Choose of clocks with one name that to the left of the signals; several if these differ."""
+    own = [max((h for h in found if h.place < p), key=lambda h: h.place, default=found[0]) for p in places]
+    first = table.columns[own[0].place] if own else None
+    for header in own:
+        other = table.columns[header.place]
+        if first is not None and not np.all((first == other) | ((first != first) & (other != other))):
+            return found
+    return own[:1] or found
+
+
+def _list(headers: Sequence[Header]) -> str:
+    texts = [shown(h.text) for h in headers if h.name or h.stated]
     more = len(texts) - TOL.headers_named
-    return ", ".join(texts[: TOL.headers_named]) + (f" and {more} more" if more > 0 else "")
-
-
-_Flags = NDArray[np.bool_]
-
-# Possessive quantifiers: the time for a cell is proportional to its length.
-_DECIMAL: Final = re.compile(r"[+-]?+(?:[0-9]++[.,]?+[0-9]*+|[.,][0-9]++)(?:[eE][+-]?+[0-9]++)?+")
-# What programs write instead of a number: without a value, and after an error.
-_NO_VALUE: Final = re.compile(r"[+-]?nan|#?n/?a|null|none|[-?*]+", re.IGNORECASE)
-_WRONG: Final = re.compile(r"[+-]?inf(inity)?|error|overflow|#.*", re.IGNORECASE)
-_SEPARATORS: Final = {";": "semicolon", "\t": "tab", ",": "comma"}
-_DELETE: Final = "delete those rows, or keep the part before or after them"
+    named = ", ".join(texts[: TOL.headers_named]) + (f" and {more} more" if more > 0 else "")
+    return named or f"{len(headers)} columns without names"
 
 
 @dataclass(frozen=True, eq=False)
@@ -670,9 +582,9 @@ class Record:
         Strictly ascending [s].
     signals : mapping of str to float array
         Relative displacement [m], velocity [m/s], acceleration [m/s^2] and friction [N] at these times, by
-        their names in ``_SIGNALS``.
+        their names in ``SIGNALS``.
     trough : mapping of str to float array
-        Motions of the trough [m/s^2, m/s or m] at these times, by their names in ``_TROUGH``.
+        Motions of the trough [m/s^2, m/s or m] at these times, by their names in ``TROUGH``.
     headers : mapping of str to str
         The columns' headers in the file, by the same names and ``"time"``, unless a rate gives the time.
     sensitivities : mapping of str to str
@@ -701,81 +613,6 @@ class Record:
         return {name: DERIVATIVES[self.trough_kinds.get(name, "acceleration")] for name in self.trough}
 
 
-@dataclass(frozen=True, eq=False)
-class Table:
-    """Columns of a file of any format, from which ``record_of`` takes the signals that are wanted.
-
-    A reader of a format returns one: ``Table(path, names, columns, units, step=1e-3)`` is all that a format
-    with channels, units and a sampling step has to give. Which column is which signal, sensitivities, rows
-    without a value and the clock are the business of ``record_of``.
-
-    Attributes
-    ----------
-    path : Path
-        The file, for messages.
-    names : sequence of str
-        Name of each column, which may hold its unit: ``Acc along`` or ``Acc along [g]``; all empty if the
-        file has none. Messages list them, and users choose by them, or by their numbers, from 1.
-    columns : sequence of array
-        Values of each column, as long as one another: floats, NaN where there is no value; whole numbers, as
-        of a clock of nanoseconds; or cells as text, if one of them is no number.
-    units : sequence of str
-        Unit of each column as the file spells it; empty for one without, whose name may hold it then.
-    rows : sequence of int
-        Number of each row in the file, for messages; from 1 if it is left out.
-    also : sequence of sequence of str
-        More names of the columns, such as a row of descriptions; users may choose by them too.
-    notes : sequence of str
-        How the file was read, for the user.
-    step : float or None
-        Time between two rows [s], of a file without a column of time.
-    """
-
-    path: Path
-    names: Sequence[str]
-    columns: Sequence[NDArray[Any]]
-    units: Sequence[str] = ()
-    rows: Sequence[int] = ()
-    also: Sequence[Sequence[str]] = ()
-    notes: Sequence[str] = ()
-    step: float | None = None
-
-    def row(self, index: int) -> int:
-        """Return the number in the file of a row."""
-        return int(self.rows[index]) if len(self.rows) else index + 1
-
-    def numbers(self, header: _Header, unit: float) -> Floats:
-        """Read a column in SI units; NaN for cells without a value."""
-        cells = self.columns[header.place]
-        values, bad = np.full(cells.size, np.nan), np.zeros(cells.size, np.bool_)
-        if cells.dtype != object:
-            values = np.asarray(cells * unit, np.float64)
-            bad = np.abs(values) > TOL.largest
-        else:
-            for i, cell in enumerate(cells):
-                if _DECIMAL.fullmatch(cell):
-                    values[i] = float(cell.replace(",", ".")) * unit
-                    bad[i] = not abs(values[i]) <= TOL.largest
-                else:
-                    bad[i] = bool(cell) and not _NO_VALUE.fullmatch(cell)
-        if bad.any():
-            raise InputError(*self.named(header, bad, values, TOL.largest / abs(unit)), hint=_DELETE)
-        return values
-
-    def named(self, header: _Header, bad: _Flags, values: Floats, most: float = math.nan) -> list[str]:
-        """Describe the first bad cells of a column, and count the others; one with a value is too large."""
-        problems, places, column = [], np.flatnonzero(bad).tolist(), f"column {shown(header.text)}"
-        for i in places[: TOL.cells_named]:
-            cell = str(self.columns[header.place][i])
-            what = f"{shown(cell)} is not a number" if cell else "the cell is empty"
-            if not math.isnan(values[i]):
-                what = f"{cut(cell)} is too large to compute with, at most {most:g} is allowed"
-            problems.append(f"{self.path}: row {self.row(i)}, {column}: {what}")
-        if (more := len(places) - TOL.cells_named) > 0:
-            problems.append(f"{self.path}: {column}: {more} more such cell{'s' if more > 1 else ''}")
-        return problems
-
-
 def read_record(
     path: Path,
     columns: Mapping[str, str] | None = None,
@@ -793,7 +630,7 @@ def read_record(
         in UTF-8 (with or without a byte order mark), UTF-16 or a Windows code page; or LabVIEW's text, TDMS,
         UFF58, MAT or WAV.
     columns : mapping of str to str, optional
-        Headers by ``"time"`` and the names of ``_SIGNALS`` and ``_TROUGH``; or the columns' numbers, from 1.
+        Headers by ``"time"`` and the names of ``SIGNALS`` and ``TROUGH``; or the columns' numbers, from 1.
         The unit of the header, in brackets, may be left out; one that is given goes before the file's. If no
         signal of the body is named, every column whose unit is unambiguous is read.
     sensitivities : sequence of Sensitivity
@@ -816,8 +653,8 @@ def read_record(
         If a column is missing, ambiguous or without a unit; if a cell is no number, or too many are empty; if
         the time has gaps, repeats or goes back. Row and column are named.
     """
-    channels, wanted = read_channels(path), _Wanted(columns or {}, sensitivities, body)
-    table = Table(path, **channels._asdict()) if channels else _read_table(path, wanted)
+    channels = read_channels(path)
+    table = Table(path, **channels._asdict()) if channels else text_table(path)
     return record_of(table, columns, sensitivities, body=body, rate=rate)
 
 
@@ -837,131 +674,92 @@ def record_of(
         raise InputError(both, hint="leave one of them out")
     chosen = _columns_of(table, wanted)
     notes = [*table.notes]
-    values: dict[str, Floats] = {
-        role: table.numbers(column.header, column.size) for role, column in chosen.items()
-    }
-    if not values.keys().isdisjoint(_TROUGH):  # a part that nobody named is not worth a record of the trough
-        unnamed = [role for role in values if role in _SIGNALS and role not in wanted.headers]
-        for role in unnamed:
-            if np.isnan(values[role]).mean() > TOL.skipped:
-                notes.append(
-                    f"{role}: column {shown(chosen.pop(role).header.text)} lacks values: it is left out"
-                )
-                del values[role]
-    kept = _with_values(table, {chosen[role].header: column for role, column in values.items()})
-    step = 1.0 / wanted.rate if wanted.rate else table.step
-    if "time" not in values and step is not None:
-        values["time"] = np.arange(kept.size, dtype=np.float64) * step
-        notes.append(f"time: {1.0 / step:g} rows a second")
-    values = {role: column[kept] for role, column in values.items()}
+    values = {r: table.numbers(c.header, c.size) for r, c in chosen.items() if r != "time"}
+    for role, x in values.items():
+        if (every := clocks.held(x)) > 1:
+            holds = f"column {shown(chosen[role].header.text)} holds each value for {every} rows: one is used"
+            notes.append(f"{role.replace('_', ' ')}: {holds}")
     if "time" in chosen:
-        _check_time(table, chosen["time"].header, values["time"], np.flatnonzero(kept))
-    if not kept.all():
-        rows = [str(table.row(i)) for i in np.flatnonzero(~kept).tolist()]
-        named = ", ".join([*rows[: TOL.cells_named], *(["..."] if len(rows) > TOL.cells_named else [])])
-        skipped = f"skipped rows without a value: {named} ({len(rows)} of {kept.size})"
-        notes.append(f"{table.path.name}: {skipped}")
+        time, periods = table.times(chosen["time"].header, chosen["time"].size)
+    else:
+        step = 1.0 / wanted.rate if wanted.rate else table.step or 1.0
+        time, periods = np.arange(table.columns[0].size, dtype=np.float64) * step, np.empty(0)
+        notes.append(f"time: {1.0 / step:g} rows a second")
+    if not values.keys().isdisjoint(TROUGH):  # a part that nobody named is not worth a record of the trough
+        holes = {role: np.isnan(x).mean() > TOL.skipped for role, x in values.items()}
+        slow = any(holes[role] for role in TROUGH if role in holes)
+        for role in [r for r in values if r in SIGNALS and r not in wanted.headers]:
+            if slow or holes[role]:
+                why = "lacks values" if holes[role] else "is sampled at another rate"
+                notes.append(f"{role}: column {shown(chosen.pop(role).header.text)} {why}: it is left out")
+                del values[role]
+    time, copies, mended = clocks.mended(time, periods, [*values.values()])
+    kept, skipped = _with_values(table, chosen, {"time": time, **values}, copies)
+    notes += [f"{table.path.name}: {text}" for text in (*mended, *skipped)]
+    values = {role: x[kept] for role, x in {"time": time, **values}.items()}
+    _check_time(table, chosen, values["time"], np.flatnonzero(kept))
     texts = {role: column.sensitivity.text for role, column in chosen.items() if column.sensitivity}
     headers = {role: column.header.text for role, column in chosen.items()}
     for role, header in headers.items():
         at = f" at {texts[role]}" if role in texts else ""
         unit = f" in {chosen[role].typed}" if chosen[role].typed else ""
         notes.append(f"{role.replace('_', ' ')}: column {shown(header)}{unit}{at}")
-    kinds = {role: column.kind for role, column in chosen.items() if role in _TROUGH}
-    signals = {role: x for role, x in values.items() if role in _SIGNALS}
-    trough = {role: x for role, x in values.items() if role in _TROUGH}
+    kinds = {role: column.kind for role, column in chosen.items() if role in TROUGH}
+    signals = {role: x for role, x in values.items() if role in SIGNALS}
+    trough = {role: x for role, x in values.items() if role in TROUGH}
     believed = frozenset(role for role, column in chosen.items() if column.typed)
     return Record(values["time"], signals, trough, headers, texts, tuple(notes), kinds, believed)
 
 
-def _first_data(rows: Sequence[tuple[int, list[str]]]) -> int | None:
-    """Return the index of the first row with at least as many numbers as most rows have."""
-    looked_at = [cells for _, cells in rows[: TOL.looked_at]]
-    counts = [sum(_DECIMAL.fullmatch(cell) is not None for cell in cells) for cells in looked_at]
-    usual = Counter(count for count in counts if count > 1).most_common(1)
-    return next((i for i, count in enumerate(counts) if count >= usual[0][0]), None) if usual else None
+def _with_values(
+    table: Table, chosen: _Columns, values: Mapping[str, Floats], copies: Flags
+) -> tuple[Flags, list[str]]:
+    """Return which rows hold a value in every column, and what to say of the others; refuse too many."""
+    kept = np.asarray(~np.isnan([*values.values()]).any(axis=0))
+    lost = np.flatnonzero(~kept & ~copies)
+    kept &= ~copies
+    if lost.size <= TOL.skipped * (kept.size - np.count_nonzero(copies)):
+        rows = [str(table.row(i)) for i in lost.tolist()]
+        named = ", ".join([*rows[:CELLS_NAMED], *(["..."] if len(rows) > CELLS_NAMED else [])])
+        return kept, [f"skipped rows without a value: {named} ({lost.size} of {kept.size})"] if rows else []
+    time = values["time"]
+    steps, usual = np.diff(time[kept]), np.nanmedian(np.diff(time))
+    slow = float(np.median(steps)) if steps.size >= TOL.fewest_values else 0.0
+    even = np.count_nonzero(np.abs(steps - slow) <= TOL.even * slow)
+    if slow > (1.0 + TOL.even) * usual and even >= (1.0 - TOL.skipped) * steps.size:
+        each = "all columns" if len(values) > 2 else "the column"
+        return kept, [
+            f"{steps.size + 1} of {kept.size} rows hold a value in {each}, {1.0 / slow:.7g} a second"
+        ]
+    problems, headers = list[str](), {role: chosen[role].header for role in values if role in chosen}
+    if not kept.any() and not any(np.isnan(x).all() for x in values.values()):
+        texts = ", ".join(shown(header.text) for header in headers.values())
+        raise InputError(f"{table.path}: no row has a value in each of {texts}", hint="name one signal alone")
+    for role, header in headers.items():
+        problems += table.named(header, np.isnan(values[role]), values[role])
+    limit = f"at most {100.0 * TOL.skipped:.0f} % are skipped"
+    few = f"{table.path}: {lost.size} of {kept.size} rows lack a value: {limit}"
+    raise InputError(*problems, few, hint=DELETE)
 
 
-def _read_table(path: Path, wanted: _Wanted) -> Table:
-    """Find separator, decimals and header row."""
-    text, notes = read_text(path)
-    if text.startswith("LabVIEW Measurement"):
-        text, left_out = lvm_table(path, text)
-        notes += left_out
-    for separator in _SEPARATORS:
-        rows = rows_of(path, text, separator)
-        first = _first_data(rows)
-        if first is not None:
-            break
-    else:
-        hint = "it needs a header row and rows of numbers, separated by commas, semicolons or tabs"
-        raise InputError(f"{path}: no table of numbers found", hint=hint)
-    if first == 0:
-        bare = f"{path}: row {rows[0][0]} holds numbers, but there is no header row above it"
-        raise InputError(bare, hint="name the columns in a first row, with units: Time [s],X [mm]")
-    place, names, units = _header_row(path, [cells for _, cells in rows[:first]], wanted)
-    width, data = len(rows[place][1]), rows[place + 1 :]
-    comma = any("," in cell for _, cells in data[: TOL.looked_at] for cell in cells)
-    for row, cells in data:
-        if any(cells[width:]):
-            wide = f"{path}: row {row} has {len(cells)} cells, the header row {width}"
-            raise InputError(wide, hint="decimal commas need semicolons between the cells")
-        cells += [""] * (width - len(cells))
-    columns = [np.array([cells[i] for _, cells in data], object) for i in range(width)]
-    if separator != "," or comma:
-        decimals = ", decimal commas" if comma else ""
-        notes.append(f"{path.name}: separated by {_SEPARATORS[separator]}s{decimals}")
-    return Table(path, names, columns, units, [row for row, _ in data], notes=notes)
-
-
-def _header_row(path: Path, above: list[list[str]], wanted: _Wanted) -> tuple[int, list[str], list[str]]:
-    """Find the row that names the columns, above the first row of numbers; return names and units too.
-
-    The lowest row may be data with a bad cell. It is no header if it does not name the columns, and holds a
-    number or a text instead of one: try the row above it.
-    """
-    *higher, names = above
-    units = [text.strip("[]()") for text in names]
-    if higher and len(higher[-1]) == len(units) and all(signal_unit(unit) for unit in units if unit):
-        names = higher[-1]
-    else:
-        units = [""] * len(names)
-    try:
-        _columns_of(Table(path, names, (), units), wanted)
-    except InputError:
-        patterns = (_DECIMAL, _NO_VALUE, _WRONG)
-        if higher and any(p.fullmatch(cell) for cell in above[-1] for p in patterns):
-            return _header_row(path, higher, wanted)
-    return len(higher), names, units
-
-
-def _with_values(table: Table, columns: Mapping[_Header, Floats]) -> _Flags:
-    """Return which rows hold a value in every column; refuse a table in which too many do not."""
-    kept = np.asarray(~np.isnan(list(columns.values())).any(axis=0))
-    count = int(np.count_nonzero(~kept))
-    if count > TOL.skipped * kept.size:
-        named = [t for header, x in columns.items() for t in table.named(header, np.isnan(x), x)]
-        limit = f"at most {100.0 * TOL.skipped:.0f} % are skipped"
-        lost = f"{table.path}: {count} of {kept.size} rows lack a value: {limit}"
-        raise InputError(*named, lost, hint=_DELETE)
-    return kept
-
-
-def _check_time(table: Table, header: _Header, time: Floats, kept: NDArray[np.intp]) -> None:
+def _check_time(table: Table, chosen: _Columns, time: Floats, kept: NDArray[np.intp]) -> None:
     """Refuse a time that repeats, goes back or jumps; ``kept`` holds the places of its rows in the table."""
     steps = np.diff(time)
     usual = float(np.median(steps)) if steps.size else 0.0
+    rate = f"{(time.size - 1) / np.ptp(time):.6g}" if time.size and np.ptp(time) > 0.0 else "1000"
+    evenly = f"if the rows are evenly sampled, give {argument('rate', rate)} in place of {argument('time')}"
     for bad, what, hint in (
         (steps < 0.0, "goes back to", "sort the rows by time, or keep one of the runs"),
-        (steps == 0.0, "repeats", "keep one row for each time, or export more digits"),
+        (steps == 0.0, "repeats", f"keep one row for each time; or {evenly}"),
         (steps > TOL.gap * usual, "jumps to", "fill the gap, or keep the part before or after it"),
     ):
         places = np.flatnonzero(bad)
         if places.size:
             i = int(places[0]) + 1
-            row = f"{table.path}: row {table.row(int(kept[i]))}, column {shown(header.text)}"
+            column = f", column {shown(chosen['time'].header.text)}" if "time" in chosen else ""
+            where = f"{table.path}: row {table.row(int(kept[i]))}{column}"
             moves = f"time {what} {time[i]:.9g} s after {time[i - 1]:.9g} s, usual steps are {usual:.3g} s"
             lost = int(kept[i] - kept[i - 1]) - 1
             between = f"; rows without a value before it: {lost}" if lost else ""
             more = f"; such rows in all: {places.size}" if places.size > 1 else ""
-            raise InputError(f"{row}: {moves}{between}{more}", hint=hint)
+            raise InputError(f"{where}: {moves}{between}{more}", hint=hint)
