@@ -268,7 +268,8 @@ _FIRST: Final = (
 def _text_of(quantity: Quantity) -> str:
     """Say in a few words what a quantity is, and its unit."""
     meaning, *_ = quantity.meaning.split(", ")
-    return f"{meaning[:1].upper()}{meaning[1:]}{f' [{quantity.unit}]' if quantity.unit else ''}."
+    unit = f" [{quantity.unit}]" if quantity.unit else ""
+    return f"{meaning[:1].upper()}{meaning[1:]}{unit}{', or 4g, 110mm/s' * (quantity.name == 'amplitude')}."
 
 
 def _quantity_parameter(quantity: Quantity, *, hidden: bool) -> inspect.Parameter:

@@ -115,7 +115,12 @@ def read_request(
         example = QUANTITIES[request.drive[0]].typed("0.1:3:200")
         raise InputError("nothing varies", hint=f"give an axis, for example {example}")
     for name, text in options.given.items():
-        if "," in text and name in request.specs and not request.specs[name].varies:  # a decimal comma
+        # of a decimal comma, and of an rms value
+        if (
+            ("," in text or "rms" in text.casefold())
+            and name in request.specs
+            and not request.specs[name].varies
+        ):
             quantity = QUANTITIES[name]
             options.console.echo(f"{quantity.label}: {quantity.text(request.specs[name].value)}")
     for name in RATES.keys() & request.specs.keys() - {*request.varying}:

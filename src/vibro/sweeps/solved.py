@@ -12,7 +12,7 @@ from vibro.axes import axis_of
 from vibro.core.codes import Output
 from vibro.errors import InputError, did_you_mean, shown
 from vibro.html_tables import Shown, amount
-from vibro.quantities import BY_COLUMN, QUANTITIES, find_quantity
+from vibro.quantities import BY_COLUMN, QUANTITIES, find_quantity, quantity_meant
 from vibro.reals import shielded
 from vibro.sweeps.run import solved_picture
 
@@ -145,6 +145,8 @@ def view_of(
     held: dict[str, float] = {}
     for called, value in at:
         quantity = axis_called(called, argument)
+        if quantity.name == "amplitude" and isinstance(value, str):  # which may be 4g
+            quantity = quantity_meant((value,), quantity)
         given = grid.as_given({quantity.name: one_value(value, quantity, argument)})
         if held.keys() & given.keys():
             raise InputError(f"{argument}: {quantity.label} is given twice", hint="give it once")

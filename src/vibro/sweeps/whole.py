@@ -192,8 +192,10 @@ def sweep(
           ``trough_angle_deg``, ``trough_length_mm``, ``gravity_m_s2``, ``restitution``.
 
         A value is a number, an ascending sequence of numbers, or an axis such as ``"0.1:3:100"`` or
-        ``"10,20"``; a text may contain a unit, ``"800um"``. Without amplitude and frequency the sweep covers
-        0.1 to 3 mm and 5 to 60 Hz.
+        ``"10,20"``; a text may contain a unit, ``"800um"``. The amplitude of a line may be given by its
+        acceleration or speed, ``"4g"``, ``"110mm/s rms"``: this is then the axis, ``acceleration_g`` or
+        ``drive_speed_mm_s``, and the amplitude has its column too. Without amplitude and frequency the sweep
+        covers 0.1 to 3 mm and 5 to 60 Hz.
 
     Returns
     -------
