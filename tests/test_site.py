@@ -194,8 +194,14 @@ def test_pages_are_accessible_and_as_wide_as_the_window(
     assert {urlsplit(url).scheme for url in asked} <= {"file", "data", "blob"}
 
 
-def test_the_search_finds_a_word_and_is_accessible(site: Path, window: WebPage, axe: str) -> None:
-    window.goto(f"{(site / 'search.html').as_uri()}?q=traverse")
-    window.wait_for_selector("#search-results li a")
-    assert window.get_by_role("link", name="vibro traverse-time").count() >= 1
+def test_the_search_finds_words_and_is_accessible(site: Path, window: WebPage, axe: str) -> None:
+    found = {
+        "traverse": "vibro traverse-time",
+        "smartphone": "My phone on the trough: what does it do?",
+        "stopwatch": "I have a stopwatch: what is my friction?",
+    }
+    for word, title in found.items():
+        window.goto(f"{(site / 'search.html').as_uri()}?q={word}")
+        window.wait_for_selector("#search-results li a")
+        assert window.get_by_role("link", name=title).count() >= 1, word
     assert_accessible_and_as_wide_as_the_window(window, axe)

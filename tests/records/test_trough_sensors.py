@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import math
+import runpy
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 import pytest
+from helpers.made_records import EXAMPLES
 from helpers.turned_sensors import Case, G, Line, record_of
 
 import vibro
 from vibro.errors import InputError
+from vibro.records.channels import AXES
+from vibro.records.reading import read_record
 from vibro.records.sensors import EXACT, Mounting, SensorErrors
 from vibro.records.trough import MeasuredMotion, motion_of, speeds_of
 
@@ -59,6 +64,55 @@ def test_a_third_axis_gives_the_turn_about_the_normal() -> None:
         is_the_motion(motion_of(record, Mounting(GOOD, turned=turned or None)), line)
     with pytest.raises(InputError, match=r"'trough_along' for trough_along is 77 deg off"):
         motion_of(record_of(line, Case(pitch=1.3), THREE), Mounting(GOOD))
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_axes_of_a_phone_need_no_names(seed: int) -> None:
+    """However it lies, and whether its signs are those of Android or the opposite ones."""
+    random = np.random.default_rng(seed)
+    line = Line(climb=math.radians(random.uniform(-5.0, 5.0)))
+    case = Case(random.uniform(-0.3, 0.3), random.uniform(-math.pi, math.pi), random.uniform(-0.3, 0.3))
+    signs = random.permutation(3)
+    roles = dict(zip(AXES, (~signs if seed % 2 else signs).tolist(), strict=True))
+    mounting = Mounting(GOOD, trough_angle=line.climb)
+    record = record_of(line, case, roles)
+    is_the_motion(motion_of(record, mounting), line)
+    with pytest.raises(InputError, match="moves down while it moves forwards, by gravity"):
+        motion_of(record, mounting, reverse=True)
+    with pytest.raises(InputError, match="no gravity within the errors"):
+        motion_of(record_of(line, case, roles, gravity=False), mounting)
+
+
+def test_columns_of_a_phone_are_found(tmp_path: Path) -> None:
+    path = EXAMPLES / "data" / "phone_trough_200hz.csv"
+    made = runpy.run_path(str(path.parent / "make_phone_trough_200hz.py"))
+    made["main"](tmp_path / "made.csv")
+    assert (tmp_path / "made.csv").read_text(encoding="utf-8") == path.read_text(encoding="utf-8")
+    record = read_record(path)
+    assert [record.headers[role][:14] for role in record.trough] == [f"Acceleration {x}" for x in "xyz"]
+    drive = motion_of(record, Mounting(SensorErrors())).drive_on_line().quantities
+    for name, true in (("amplitude", made["NUT"]["AMPLITUDE"]), ("drive_angle", made["NUT"]["DRIVE_ANGLE"])):
+        assert abs(drive[name].value - true) < 1.0 * drive[name].error
+
+
+@pytest.mark.parametrize(
+    ("header", "are_found"),
+    [
+        ("t [s],gFx,gFy,gFz", True),
+        ("t [s],accel_x [mm/s^2],accel_y [mm/s^2],accel_z [mm/s^2]", True),
+        ("t [s],ax [g],ay [g],az [g],linear x [g],linear y [g],linear z [g]", False),
+        ("t [s],ax [g],ay [g],az [g],way [mm]", False),
+    ],
+)
+def test_three_axes_are_those_of_one_phone_alone(header: str, are_found: bool, tmp_path: Path) -> None:
+    path = tmp_path / "phone.csv"
+    count = header.count(",")
+    rows = "\n".join(f"0.{i:02}" + ",1.5" * count for i in range(30))
+    path.write_text(f"{header}\n{rows}\n", encoding="utf-8")
+    record = read_record(path)
+    assert record.trough.keys() == ({*AXES} if are_found else set())
+    if are_found and "gF" in header:
+        assert float(record.trough["trough_x"][0]) == 1.5 * G
 
 
 def test_what_is_stated_is_taken_and_questioned_by_gravity() -> None:

@@ -137,10 +137,10 @@ def _turn_facts(record: Record, motion: MeasuredMotion) -> list[Fact]:
     if found.by_gravity:
         slope, offset = math.degrees(mounting.trough_angle), mounting.errors.offset / 9.80665e-3
         note = f"from gravity, which is taken off: a trough at {slope:.3g} deg, offsets of {offset:.3g} mg"
-    axes = [record.headers[name] for name in record.trough]
-    if len(axes) > 2:
-        sign = "-" if found.axes[0, found.nearest] < 0.0 else ""
-        note = f"forwards is nearest to {sign}{printable(axes[found.nearest])}; {note}"
+    if not record.trough.keys() & {"trough_along", "trough_normal"}:  # axes that nobody named
+        axis = record.headers[[*record.trough][found.nearest]]
+        where = "against" if found.axes[0, found.nearest] < 0.0 else "along"
+        note = f"forwards is {where} '{printable(axis)}'; {note}"
     return [Fact("sensor turned", math.degrees(found.turn), "deg", math.degrees(found.turn_error), note)]
 
 

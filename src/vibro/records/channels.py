@@ -29,8 +29,10 @@ _LONGEST: Final = 40  # characters of a unit
 Unit = tuple[str, float]
 #: Signals of the body that a record may hold; each name but friction's is also the kind of its unit.
 SIGNALS: Final = ("displacement", "velocity", "acceleration", "friction")
+#: The axes of a phone on the trough that nobody named.
+AXES: Final = ("trough_x", "trough_y", "trough_z")
 #: Motions of the trough that it may hold: along the trough's surface, normal to it, and across both.
-TROUGH: Final = ("trough_along", "trough_normal", "trough_across")
+TROUGH: Final = ("trough_along", "trough_normal", "trough_across", *AXES)
 #: Kinds of unit that a motion of the trough may have, with the derivatives from each to the acceleration.
 DERIVATIVES: Final[Mapping[str, int]] = {"acceleration": 0, "velocity": 1, "displacement": 2}
 #: Kind of unit of each column; of the trough's the usual one.

@@ -16,6 +16,7 @@ from vibro.errors import InputError, argument, cut, did_you_mean, shown
 from vibro.quantities import RATE, checked_number
 from vibro.records import clocks
 from vibro.records.channels import (
+    AXES,
     CELLS_NAMED,
     DELETE,
     DERIVATIVES,
@@ -308,7 +309,7 @@ def _sensitivity(text: str) -> _Sensitivity:
     role = name.strip().removeprefix("--").replace("-", "_").casefold()
     given = _given(text)
     if equals and (role not in KINDS or role == "time"):
-        known = ", ".join(r.replace("_", "-") for r in KINDS if r != "time")
+        known = ", ".join(r.replace("_", "-") for r in KINDS if r not in ("time", *AXES))
         raise InputError(f"{given}: {shown(name.strip())} is no signal", hint=f"signals are {known}")
     value = value.strip()
     match = _SENSITIVITY.fullmatch(value)
@@ -414,6 +415,8 @@ def _columns_of(table: Table, wanted: _Wanted) -> _Columns:
     named = [role for role in KINDS if role in wanted.headers and role != "time"]
     sought = () if not wanted.body or any(role in named for role in SIGNALS) else SIGNALS
     clock = () if wanted.rate or (table.step is not None and "time" not in wanted.headers) else ("time",)
+    if not (named or wanted.sensitivities):
+        found |= _phone_axes(headers)
     for role in dict.fromkeys([*named, *sought, *clock]):
         taken = {column.header.place for column in found.values()}
         try:
@@ -451,6 +454,26 @@ def _call(header: Header, headers: Sequence[Header]) -> str:
     """Return the name by which a user can choose a column: its number if it has none of its own."""
     same = [h for h in headers if header.name.casefold() in map(str.casefold, h.names)]
     return header.name if header.name and len(same) == 1 else f"{header.place + 1}"
+
+
+_OF_APPS: Final = {
+    "gF": ("acceleration", SIGNAL_UNITS["acceleration"]["g"])
+}  # Physics Toolbox: gFx, gFy, gFz
+
+
+def _phone_axes(headers: Sequence[Header]) -> _Columns:
+    """Return the accelerations of a record of three, whose names differ in an x, y and z; else none."""
+    found: dict[tuple[str, str], dict[str, _Column]] = {}
+    units = {header: header.unit or _OF_APPS.get(header.name[:2]) for header in headers}
+    if {unit[0] for unit in units.values() if unit} - {"time", "acceleration"}:
+        return {}
+    for header, unit in units.items():
+        if unit and unit[0] == "acceleration":
+            for at in re.finditer("[xyz]", header.name, re.IGNORECASE):
+                around = header.name[: at.start()], header.name[at.end() :]
+                found.setdefault(around, {})[f"trough_{at[0].casefold()}"] = _Column(header, *unit)
+    triples = [columns for columns in found.values() if len(columns) == len(AXES)]
+    return {role: triples[0][role] for role in AXES} if len(triples) == 1 else {}
 
 
 def _check_use(path: Path, columns: _Columns, wanted: _Wanted) -> None:

@@ -218,8 +218,9 @@ def place(
     by_gravity = shows_gravity and mounting.turned is None and "tilt" not in errors.stated
     if leads and not by_gravity:
         unknown = f"columns {_list(headers)}: which of them is normal to the trough is not known"
-        hint = f"they show no gravity: name {argument('trough_along')} and {argument('trough_normal')}"
-        raise InputError(unknown, hint=hint)
+        mean = f"their mean is {ratio:.3g} g, no gravity within the errors of the sensor"
+        hint = f"name {argument('trough_along')} and {argument('trough_normal')}, or record with gravity"
+        raise InputError(f"{unknown}: {mean}", hint=hint)
 
     def placed(change: Floats, *, by_gravity: bool = by_gravity) -> tuple[Complexes, Floats]:
         """Return the motion in the axes of the sensors, and those of the trough, for errors of these."""

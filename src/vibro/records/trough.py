@@ -555,12 +555,18 @@ def _doubts(motion: MeasuredMotion, found: dict[str, Estimate], normal_phase: fl
 
 def _refuse_line_down(motion: MeasuredMotion, *, reverse: bool) -> None:
     """Raise InputError if the trough moves down along a line while it moves forwards."""
-    down = abs(motion.phase) > 0.5 * math.pi and not motion.on_an_ellipse  # no drive angle is below 0
-    if down and (abs(motion.accelerations[0]) > TOL.likely_sigmas * motion.acceleration_errors[0]).all():
+    leads_down = abs(motion.phase) > 0.5 * math.pi and not motion.on_an_ellipse  # no drive angle is below 0
+    if (
+        leads_down
+        and (abs(motion.accelerations[0]) > TOL.likely_sigmas * motion.acceleration_errors[0]).all()
+    ):
         why = "the axis along the trough points against the conveying direction"
         option = argument("reverse")
         hint = f"{f'leave out {option}, unless' if reverse else f'give {option}, if'} {why}"
-        inverted = "the trough moves down while it moves forwards: one of its two sensors is inverted"
+        down = "the trough moves down while it moves forwards"
+        if motion.placement.by_gravity:
+            raise InputError(f"{down}, by gravity in the record", hint=hint)
+        inverted = f"{down}: one of its two sensors is inverted"
         raise InputError(inverted, hint=f"{hint}; a negative sensitivity turns one sensor alone")
 
 
