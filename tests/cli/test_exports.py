@@ -1,16 +1,28 @@
-"""Records as telephones, loggers, simulations and spreadsheets write them."""
+"""Records as telephones, loggers, simulations and spreadsheets write them, whole and damaged."""
 
 from __future__ import annotations
 
 import json
 import math
+import os
+import time
 from pathlib import Path
+from typing import Final
 
 from helpers.commands import Run
+from helpers.damaged import damaged
 from helpers.exports import AMPLITUDE_MM, ANGLE_DEG, FREQUENCY, Export, binary_exports, text_exports
+from helpers.wild import end
+
+#: Damaged files that are measured; the environment may ask for more, and for others.
+DAMAGED: Final = int(os.environ.get("VIBRO_DAMAGED", "60"))
+SEED: Final = int(os.environ.get("VIBRO_DAMAGED_SEED", "1"))
+LONGEST: Final = 5.0  # [s] of processor time for one of them
+#: Times the tolerance of a whole file: a row more or less in a file without times changes the frequency.
+OF_DAMAGED: Final = 5.0
 
 
-def misses(stdout: str) -> list[str]:
+def misses(stdout: str, times: float = 1.0) -> list[str]:
     """Say what of the motion in an answer is wrong; a value with an error may be off by five of it."""
     trough = json.loads(stdout)["trough"]
 
@@ -29,7 +41,7 @@ def misses(stdout: str) -> list[str]:
     return [
         f"{name} {value} +- {error}"
         for name, (value, error) in found.items()
-        if not abs(value - wanted[name][0]) <= max(wanted[name][1], 5.0 * error)
+        if not abs(value - wanted[name][0]) <= max(times * wanted[name][1], 5.0 * error)
     ]
 
 
@@ -53,4 +65,22 @@ def test_every_export_of_a_motion_gives_the_motion(run: Run) -> None:
 
 def test_files_of_other_formats_give_the_motion(run: Run) -> None:
     wrong = {export.name: why for export in binary_exports() if (why := failure(run, export))}
+    assert not wrong
+
+
+def test_damaged_files_are_refused_or_measured(run: Run) -> None:
+    """``VIBRO_DAMAGED=500 pytest tests/cli/test_exports.py`` takes a minute and a half."""
+    exports, wrong = [*text_exports(), *binary_exports()], {}
+    for export in damaged(exports, DAMAGED, SEED):
+        Path(export.file).write_bytes(export.content)
+        arguments, began = ("measure", export.file, *export.typed, "--json"), time.process_time()
+        try:
+            if end(run, *arguments) == 0:
+                result = run(*arguments)
+                missed = misses(result.stdout, OF_DAMAGED)
+                assert not missed or "warning: " in result.stderr, missed
+        except Exception as exc:
+            wrong[export.name] = f"{exc}"
+        if time.process_time() - began > LONGEST:
+            wrong[export.name] = "takes too long"
     assert not wrong

@@ -96,7 +96,7 @@ def unwrapped(time: Floats, periods: Iterable[float]) -> tuple[Floats, float, in
     off = {
         p: float(np.max(np.abs(steps[back] + p - usual)))
         for p in periods
-        if (usual / p) ** count <= _COINCIDENCE
+        if min(usual / p, 1.0) ** count <= _COINCIDENCE
     }
     period = min(off, key=lambda p: off[p], default=0.0)
     if period == 0.0 or off[period] > 0.5 * usual or np.ptp(time) >= period:

@@ -738,6 +738,8 @@ def _with_values(
     table: Table, chosen: _Columns, values: Mapping[str, Floats], copies: Flags
 ) -> tuple[Flags, list[str]]:
     """Return which rows hold a value in every column, and what to say of the others; refuse too many."""
+    if np.count_nonzero(~copies) < 2:
+        raise InputError(f"{table.path}: one row is no record", hint="export all rows")
     kept = np.asarray(~np.isnan([*values.values()]).any(axis=0))
     lost = np.flatnonzero(~kept & ~copies)
     kept &= ~copies

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import re
+import warnings
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
@@ -245,12 +246,14 @@ def _columns(
         body, separator = "\n".join(["\t".join(layout.cells(line)) for line in own]), "\t"
     body, decimals = _with_decimal_points(path, body, separator, data)
     try:
-        frame = pd.read_csv(
-            io.StringIO(body), sep=r"\s+" if separator == " " else separator, engine="c", header=None,
-            names=range(layout.most), index_col=False, na_values=_MISSING, keep_default_na=False,
-            skipinitialspace=True, skip_blank_lines=False, quoting=csv.QUOTE_NONE, low_memory=False,
-        )  # fmt: skip
-    except pd.errors.ParserError:  # of a line with more cells, which may be empty
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", pd.errors.ParserWarning)  # of cells that would be left out
+            frame = pd.read_csv(
+                io.StringIO(body), sep=r"\s+" if separator == " " else separator, engine="c", header=None,
+                names=range(layout.most), index_col=False, na_values=_MISSING, keep_default_na=False,
+                skipinitialspace=True, skip_blank_lines=False, quoting=csv.QUOTE_NONE, low_memory=False,
+            )  # fmt: skip
+    except (pd.errors.ParserError, pd.errors.ParserWarning):  # of a line with more cells, which may be empty
         rows = [layout.cells(line) for line in own]
         wide = next((i for i, cells in enumerate(rows) if any(cells[layout.most :])), None)
         if wide is not None:
