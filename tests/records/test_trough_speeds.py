@@ -129,7 +129,8 @@ def test_the_throw_number_needs_no_friction() -> None:
 def test_parts_begin_to_hop_at_the_amplitude_that_is_told() -> None:
     """Just above it and not just below; of a line it has no error from the amplitude of today."""
     line = motion_of(trough_record(noise=0.05, cycles=40.0))
-    throw, growth, amplitudes = hop_onset(line, {})
+    throw, growth, amplitudes, parts = hop_onset(line, {})
+    assert throw.error == pytest.approx(parts["noise"], rel=0.15)
     exact = 9.81 / (math.sin(math.radians(20.5)) * (math.tau * 15.003) ** 2)
     assert growth.value == pytest.approx(1.0 / throw.value)
     assert growth.error == pytest.approx(throw.error / throw.value**2, rel=0.05)
@@ -144,7 +145,7 @@ def test_parts_begin_to_hop_at_the_amplitude_that_is_told() -> None:
         hops = vibro.solve(vibro.Scene(**grown.drive(), **FRICTION)).regime == vibro.Regime.HOPPING
         assert hops == (regime is vibro.Regime.HOPPING)
     along = motion_of(trough_record(columns=("trough_along",), noise=0.05), drive_angle=0.0)
-    assert hop_onset(along, {}) == ((0.0, 0.0), (math.inf, 0.0), {})
+    assert hop_onset(along, {}) == ((0.0, 0.0), (math.inf, 0.0), {}, {"noise": 0.0})
 
 
 def test_the_change_by_harmonics_is_relative_to_the_fundamental_alone() -> None:

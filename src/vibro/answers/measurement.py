@@ -16,6 +16,7 @@ from vibro.records.reading import TOL
 from vibro.records.trough import MEASURED
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
     from pathlib import Path
 
     from vibro.files.csv_tables import TableColumns
@@ -44,6 +45,7 @@ _SLIPS: Final = (
     f" {100.0 * TOL.slide_level:g} % of its peak"
 )
 _WAYS: Final = {"trough_along": "along", "trough_normal": "normal"}
+_NOTHING: Final = 1e-3  # of the largest contribution to an error: less is not worth a word
 #: Kinds of error, for people.
 _KINDS: Final = {
     "noise": "noise",
@@ -84,7 +86,7 @@ def measurement_answer(m: Measurement, data: Path, request: Request) -> Answer:
         facts += [*_turn_facts(m.record, m.trough.drive.motion), *_drive_facts(m.trough, request)]
         record["trough"] = _trough_record(m.trough)
     if m.motion and m.onset:
-        facts += [*_motion_facts(m, m.motion, m.onset), *_speed_facts(m, m.motion)]
+        facts += [*_motion_facts(m, m.motion, m.onset), *_speed_facts(m, m.motion, m.onset)]
         record |= _motion_record(m, m.motion, m.onset)
     if m.comparison:
         figures = _figures(m, m.comparison)
@@ -147,9 +149,10 @@ def _turn_facts(record: Record, motion: MeasuredMotion) -> list[Fact]:
 def _drive_facts(trough: TroughDrive, request: Request) -> list[Fact]:
     """Return line or ellipse of the first harmonic."""
     given = [(name, request.fixed[name]) for name in sorted(trough.needed & request.fixed.keys())]
+    errors = {"drive_angle": math.degrees(trough.first.motion.drive_angle_error)}
     return [
         *(_estimated(name, estimate) for name, estimate in trough.first.quantities.items()),
-        *(Fact(QUANTITIES[name].label, x, QUANTITIES[name].unit, note="as given") for name, x in given),
+        *(Fact(QUANTITIES[n].label, x, QUANTITIES[n].unit, errors.get(n, 0.0), "as given") for n, x in given),
     ]
 
 
@@ -173,11 +176,22 @@ def _motion_facts(m: Measurement, measured: MeasuredMotion, onset: HopOnset) -> 
     ]
 
 
-def _speed_facts(m: Measurement, measured: MeasuredMotion) -> list[Fact]:
+def _parts(parts: Mapping[str, float], size: float, unit: str) -> str:
+    """Write what noise and the kinds of error that count contribute, in a unit of some size."""
+    least = _NOTHING * max(parts.values())
+    kept = {kind: x for kind, x in parts.items() if kind == "noise" or not x < least}
+    return ", ".join(f"{_KINDS[kind]} {shown(x / size, 2)} {unit}" for kind, x in kept.items())
+
+
+def _speed_facts(m: Measurement, measured: MeasuredMotion, onset: HopOnset) -> list[Fact]:
     """Return the speed of a part on the measured motion, and what would change it."""
     speeds = m.speeds
     if speeds is None:
-        return [Fact("speed", None, note="it needs the friction of a part: mu_s and mu_d")]
+        facts = [Fact("speed", None, note="it needs the friction of a part: mu_s and mu_d")]
+        if throw := onset.throw_number.value:
+            parts = _parts(onset.parts, throw / 100.0, "%")
+            facts.insert(0, Fact("error from", parts, note="of the throw number"))
+        return facts
     speed, error = (_MM * x for x in speeds.speed)
     is_known = not math.isnan(speed)
     note = f"computed, {speeds.regime.label}" if is_known else speeds.status.message
@@ -189,9 +203,9 @@ def _speed_facts(m: Measurement, measured: MeasuredMotion) -> list[Fact]:
     ]
     if is_known:
         size, unit = (0.01 * abs(speed), "%") if speed else (1.0, "mm/s")
-        parts = [f"{_KINDS[kind]} {shown(_MM * x / size, 2)} {unit}" for kind, x in speeds.parts.items()]
+        parts = _parts(speeds.parts, size / _MM, unit)
         last = f"the last harmonic adds {shown(_MM * abs(speeds.last_harmonic) / size, 2)} {unit} of speed"
-        facts.append(Fact("error from", ", ".join(parts), note=last if measured.order > 1 else ""))
+        facts.append(Fact("error from", parts, note=last if measured.order > 1 else ""))
     return facts
 
 
@@ -263,6 +277,7 @@ def _motion_record(m: Measurement, measured: MeasuredMotion, onset: HopOnset) ->
         "harmonics_sought": measured.p_values.size,
         "harmonics": _harmonics(measured),
         **_recorded("throw_number", onset.throw_number),
+        "throw_number_error_parts": dict(onset.parts),
         "hop_onset": hops if onset.amplitudes else None,
         "speed": speeds
         and {

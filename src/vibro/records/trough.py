@@ -1062,11 +1062,14 @@ class HopOnset(NamedTuple):
     amplitudes : mapping of str to Estimate
         Amplitudes of the first harmonic then, by the names of the scene's fields: of a line, or both of an
         ellipse [m]. Empty where nothing makes parts hop.
+    parts : mapping of str to float
+        What each kind of error contributes to that of the throw number, the largest first [1].
     """
 
     throw_number: Estimate
     growth: Estimate
     amplitudes: Mapping[str, Estimate]
+    parts: Mapping[str, float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -1125,9 +1128,6 @@ def speeds_of(measured: MeasuredMotion, others: Mapping[str, float], draws: int 
     sample = solve(Scene(**measured.drawn(draws).drive(), **others))
 
     speed, last, *moved = cycle.mean_velocity.tolist()
-    effects = 0.5 * np.diff(np.reshape(moved, (-1, 2)), axis=1)
-    ends = np.cumsum([len(pairs) for pairs in kinds.values()])
-    sizes = [float(np.linalg.norm(part)) for part in np.split(effects, ends[:-1])]
     known = sample.mean_velocity[np.isfinite(sample.mean_velocity)]
     regimes, counts = np.unique(sample.regime, return_counts=True)
     shares = {Regime(int(regimes[i])): float(counts[i]) / draws for i in np.argsort(-counts, kind="stable")}
@@ -1139,8 +1139,19 @@ def speeds_of(measured: MeasuredMotion, others: Mapping[str, float], draws: int 
         shares=shares,
         unknown=1.0 - known.size / draws,
         last_harmonic=speed - last if measured.order > 1 else math.nan,
-        parts=dict(sorted(zip(kinds, sizes, strict=True), key=lambda part: -part[1])),
+        parts=_parts(kinds, moved),
     )
+
+
+def _parts(kinds: Mapping[str, Sequence[Any]], moved: Sequence[float]) -> dict[str, float]:
+    """Return what each kind of error contributes to a standard error, the largest first.
+
+    ``moved`` are the values on either side of each error.
+    """
+    effects = 0.5 * np.diff(np.reshape(moved, (-1, 2)), axis=1)
+    ends = np.cumsum([len(pairs) for pairs in kinds.values()])
+    sizes = [float(np.linalg.norm(part)) for part in np.split(effects, ends[:-1])]
+    return dict(sorted(zip(kinds, sizes, strict=True), key=lambda part: -part[1]))
 
 
 def change_by_harmonics(measured: MeasuredMotion, others: Mapping[str, float]) -> float:
@@ -1162,17 +1173,20 @@ def hop_onset(measured: MeasuredMotion, others: Mapping[str, float], draws: int 
     Parameters are those of ``speeds_of``. Errors are standard deviations of the draws.
     """
     frictionless = {"static_friction": 0.0, "kinetic_friction": 0.0}
-    motions = (measured.motion, measured.drawn(draws))
-    known, sample = (
-        solve(Scene(**motion.drive(), **{**others, **frictionless})).throw_number for motion in motions
+    motions, kinds = (measured.motion, measured.drawn(draws)), measured.moved_by_kind
+    sides = _stacked([one.motion for pairs in kinds.values() for pair in pairs for one in pair])
+    known, sample, moved = (
+        solve(Scene(**motion.drive(), **{**others, **frictionless})).throw_number
+        for motion in (*motions, sides)
     )
+    parts = _parts(kinds, moved.tolist())
 
     def estimate(value: Floats, values: Floats) -> Estimate:
         return Estimate(float(value), float(np.std(values, ddof=1)))
 
     throw = estimate(known, sample)
     if not throw.value:
-        return HopOnset(throw, Estimate(math.inf, 0.0), {})
+        return HopOnset(throw, Estimate(math.inf, 0.0), {}, parts)
     now, drawn = (
         {"along_amplitude": abs(motion.along[0]), "normal_amplitude": abs(motion.normal[0])}
         for motion in motions
@@ -1181,7 +1195,7 @@ def hop_onset(measured: MeasuredMotion, others: Mapping[str, float], draws: int 
         now, drawn = ({"amplitude": np.hypot(*sizes.values())} for sizes in (now, drawn))
     # The throw number is proportional to the whole motion.
     amplitudes = {name: estimate(now[name] / known, drawn[name] / sample) for name in now}
-    return HopOnset(throw, estimate(1.0 / known, 1.0 / sample), amplitudes)
+    return HopOnset(throw, estimate(1.0 / known, 1.0 / sample), amplitudes, parts)
 
 
 def _stacked(motions: list[Motions]) -> Motions:
