@@ -14,6 +14,7 @@ import tempfile
 import warnings
 from collections.abc import Callable, Iterable, Sequence
 from datetime import UTC, datetime, timedelta
+from itertools import zip_longest
 from pathlib import Path
 from types import ModuleType
 from typing import Final, NamedTuple
@@ -151,8 +152,14 @@ def text_exports() -> list[Export]:
     seconds = ["Time [s]", "ax [m/s^2]", "az [m/s^2]"]
     two = "--trough-along", "ax", "--trough-normal", "az"
     add("TwinCAT Scope, EOF", _lines(",", seconds, rows) + "EOF\n", two)
-    by_number = "1 [ms] | 2 [m/s^2] | 3 [m/s^2]"
-    add("TwinCAT Scope, rows of settings", _twincat(t, ax, az), by_number, file="record.txt")
+    by_number = "1 [ms] | ax [m/s^2] | az [m/s^2]"
+    text = _twincat([["Name", "ax", "az"]], zip(*(_cells(x, ".7g") for x in (1e3 * t, ax, az)), strict=True))
+    add("TwinCAT Scope, rows of settings", text, by_number, file="record.txt")
+    fast, slow = Sampled.at(1000.0), Sampled.at(250.0, derivative=0, noise=2e-6)
+    columns = [_cells(x, ".7g") for x in (1e3 * fast.time, fast.along, 1e3 * slow.time, 1e3 * slow.along)]
+    text = _twincat([["Name", "ax"], ["Name", "laser"]], zip_longest(*columns, fillvalue=""))
+    typed = "--time", "3 [ms]", "--trough-along", "laser [mm]", "--drive-angle", "25"
+    add("TwinCAT Scope, two rates, times of each", text, typed, file="record.txt")
     for fill in ("none", "previous value"):
         typed = "--trough-along", "laser [mm]", "--drive-angle", "25"
         add(f"TwinCAT Scope, two rates, fill {fill}", _two_rates(held=fill != "none"), typed)
@@ -322,20 +329,22 @@ def _lvm(kind: str, t: Floats, along: Floats, normal: Floats) -> str:
     return "\n".join([*of_file, *(line.replace(".", ",") for line in [*of_data, *rows])]) + "\n"
 
 
-def _twincat(t: Floats, along: Floats, normal: Floats) -> str:
-    """Write an export of TwinCAT Scope with its rows of settings; a column of time is called Name."""
+def _twincat(groups: Sequence[Sequence[str]], rows: Iterable[Sequence[str]]) -> str:
+    """Write an export of TwinCAT Scope with its rows of settings; columns of time are called Name."""
     above = [
         ("Name", "trough"),
         ("File", "trough.csv"),
         ("Starttime of export", "1", "2. 1. 2031", "10:00"),
         (),
     ]
-    settings = {"Name": ("ax", "az"), "SymbolComment": ("", ""), "Data-Type": ("REAL64", "REAL64")}
-    settings |= {"SampleTime[ms]": ("2", "2"), "VariableSize": ("8", "8"), "SymbolBased": ("True", "True")}
-    settings |= {"Offset": ("0", "0"), "ScaleFactor": ("1", "1"), "BitMask": ("0xff", "0xff")}
-    settings |= {"Unit": ("(None)", "(None)"), "Unit ScaleFactor": ("1", "1"), "Unit Offset": ("0", "0")}
-    rows = zip(*(_cells(x, ".7g") for x in (1e3 * t, along, normal)), strict=True)
-    return _lines("\t", None, [*above, *((k, *v) for k, v in settings.items()), (), *rows, ("EOF",)])
+    settings = {"SymbolComment": "", "Data-Type": "REAL64", "SampleTime[ms]": "2", "VariableSize": "8"}
+    settings |= {"SymbolBased": "True", "IndexGroup": "16448", "IndexOffset": "385312", "Offset": "0"}
+    settings |= {"SymbolName": "MAIN.x", "NetID": "192.168.0.1.1.1", "Port": "851", "ScaleFactor": "1"}
+    settings |= {"BitMask": "0xff", "Unit": "(None)", "Unit ScaleFactor": "1", "Unit Offset": "0"}
+    lines = [[cell for group in groups for cell in group]]
+    for key, value in settings.items():
+        lines.append([key if cell == "Name" else value for cell in lines[0]])
+    return _lines("\t", None, [*above, *lines, (), *(filter(None, row) for row in rows), ("EOF",)])
 
 
 def _two_rates(*, held: bool) -> str:

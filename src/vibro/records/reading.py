@@ -708,6 +708,9 @@ def record_of(
         step = 1.0 / wanted.rate if wanted.rate else table.step or 1.0
         time, periods = np.arange(table.columns[0].size, dtype=np.float64) * step, np.empty(0)
         notes.append(f"time: {1.0 / step:g} rows a second")
+    some = np.flatnonzero(~np.isnan([time, *values.values()]).all(axis=0))
+    end = int(some[-1]) + 1 if some.size else time.size  # of columns that end before others
+    time, values = time[:end], {role: x[:end] for role, x in values.items()}
     if not values.keys().isdisjoint(TROUGH):  # a part that nobody named is not worth a record of the trough
         holes = {role: np.isnan(x).mean() > TOL.skipped for role, x in values.items()}
         slow = any(holes[role] for role in TROUGH if role in holes)

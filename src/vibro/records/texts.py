@@ -20,7 +20,7 @@ from vibro.records.channels import DECIMAL, NO_VALUE, WORDS, Table, signal_unit,
 from vibro.records.clocks import CLOCK
 from vibro.records.formats import lvm_table
 
-_LOOKED_AT, _HEADERS = 300, 12  # rows of data and above it, and of those that may be headers
+_LOOKED_AT, _HEADERS = 300, 20  # rows of data and above it, and of those that may be headers
 #: What parts cells, in the order in which it is tried, and its name; a space stands for any number of them.
 _SEPARATORS: Final = {";": "semicolons", "\t": "tabs", ",": "commas", " ": "spaces", "": ""}
 _APART: Final = re.compile(r'"[^"]*"|\S+')
@@ -141,6 +141,9 @@ def text_table(path: Path) -> Table:
         none = f"{path}: no table of numbers found"
         raise InputError(none, hint="it needs rows of numbers under a row of names")
     above, data = [(i, lines[i]) for i in filled[:first]], filled[first:]
+    widths = Counter(len(layout.cells(lines[i])) for i in data[:_LOOKED_AT])
+    if (wide := widths.most_common(1)[0][0]) > layout.most:  # of columns that end before the middle
+        layout = layout._replace(width=wide, most=wide)
     layout = _with_sure_commas(path, layout, above, [(i, lines[i]) for i in data[:_LOOKED_AT]])
     names, units, also, lowest = _header(above, layout)
     one, two = ([*map(str.strip, layout.cells(lines[i]))] for i in (data * 2)[:2])
@@ -211,7 +214,7 @@ def _header(
 
     def rank(i: int) -> tuple[bool, bool, bool]:
         plain, stated = not any(map(is_value, rows[i])), any(map(unit_of_header, rows[i]))
-        tells = stated or any(map(WORDS["time"].fullmatch, rows[i]))
+        tells = stated or rows[i][0] == "Name" or any(map(WORDS["time"].fullmatch, rows[i]))
         return tells and plain, tells, plain
 
     at = rest.index(max(rest, key=rank)) if rest else 0
