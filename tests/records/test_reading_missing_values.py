@@ -42,3 +42,25 @@ def test_a_row_may_lack_a_value_in_one_column_alone(tmp_path: Path) -> None:
     record = read(tmp_path, content)
     assert record.time.tolist() == [i for i in range(40) if i not in (4, 8)]
     assert {values.size for values in record.signals.values()} == {38}
+
+
+def test_a_row_apart_by_spaces_that_is_too_short_is_skipped(tmp_path: Path) -> None:
+    """Nothing tells which of its cells is missing."""
+    content = ["t x v", "s mm mm/s", *(f"{i}  {i}  {2 * i}" for i in range(40))]
+    content[12] = "10      20"
+    record = read(tmp_path, content, displacement="x")
+    assert record.time.tolist() == [i for i in range(40) if i != 10]
+    np.testing.assert_allclose(record.signals["displacement"], 1e-3 * record.time)
+
+
+@each("fill", ["", "last"])
+@each("every", [2, 4, 5])
+def test_a_column_that_is_sampled_more_slowly(tmp_path: Path, every: int, fill: str) -> None:
+    """Its own rows are used, whether the others are empty or repeat its value."""
+    slow = [f"{(i // every) % 7 + 0.1 * (i // every)}" for i in range(80)]
+    if not fill:
+        slow = ["" if i % every else cell for i, cell in enumerate(slow)]
+    content = ["t [s],a [g],x [mm]", *(f"{i},{i % 9},{cell}" for i, cell in enumerate(slow))]
+    record = read(tmp_path, content, displacement="x")
+    assert record.time.tolist() == [*range(0, 80, every)]
+    np.testing.assert_allclose(record.signals["displacement"], [1e-3 * float(x) for x in slow[::every]])

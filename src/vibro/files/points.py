@@ -72,9 +72,9 @@ class _Sheet(NamedTuple):
         return {name: np.array(values) for name, values in found.items()}
 
 
-def _sheet(path: Path) -> _Sheet:
-    """Read the text of a file; its first row that is not blank is the header row."""
-    text, _ = read_text(path)
+def _sheet(path: Path, most: int | None = None) -> _Sheet:
+    """Read the text of a file, or its first lines; its first row that is not blank is the header row."""
+    text = "".join(read_text(path)[0].splitlines(keepends=True)[:most])
     first = next((line for line in text.splitlines() if line.strip()), "")
     separator = next((mark for mark in ";\t," if mark in first), ",")
     (row, header), *rows = rows_of(path, text, separator) or [(1, [""])]
@@ -201,11 +201,15 @@ TRAVERSE_TIME: Final = Quantity("traverse_time", TIME, allowed=POSITIVE)
 MEAN_VELOCITY: Final = Quantity("mean_velocity", SPEED, allowed=EITHER_WAY)
 #: Quantities that a column may set.
 SETTINGS: Final = ("amplitude", "stroke", "frequency", "drive_angle", "trough_angle")
+_GERMAN: Final = ("schwingweite", "hub", "frequenz", "wurfwinkel|antriebswinkel", "neigung")
 _SPEEDS: Final[_Columns] = {
-    **{name: (name.replace("_", "[ _]"), QUANTITIES[name]) for name in SETTINGS},
-    TRAVERSE_TIME.name: ("(?:traverse[ _])?time", TRAVERSE_TIME),
-    MEAN_VELOCITY.name: ("(?:mean[ _])?(?:velocity|speed)", MEAN_VELOCITY),
-    "error": ("error", replace(AMPLITUDE_ERROR, name="error")),
+    **{
+        name: (f"{name.replace('_', '[ _]')}|{german}", QUANTITIES[name])
+        for name, german in zip(SETTINGS, _GERMAN, strict=True)
+    },
+    TRAVERSE_TIME.name: ("(?:traverse[ _])?time|(?:lauf|transport)?zeit", TRAVERSE_TIME),
+    MEAN_VELOCITY.name: ("(?:mean[ _])?(?:velocity|speed)|(?:förder)?geschwindigkeit", MEAN_VELOCITY),
+    "error": ("error|fehler", replace(AMPLITUDE_ERROR, name="error")),
 }
 _NEVER: Final = "never"  # of a part that does not arrive
 _SPEEDS_EXAMPLE: Final = "amplitude_mm,frequency_hz,traverse_time_s"
@@ -245,7 +249,7 @@ class MeasuredSpeeds(NamedTuple):
 
 def has_speeds(path: Path) -> bool:
     """Tell a table of times or speeds over settings from a record of signals over time, by its columns."""
-    sheet = _sheet(path)
+    sheet = _sheet(path, 2 * _FEW_ROWS)
     named = {name for name, (x, _) in _SPEEDS.items() for text in sheet.header if _named(text, x)}
     if any(_named(text, "traverse[ _]time|mean[ _](?:velocity|speed)") for text in sheet.header):
         return True  # no signal is called so

@@ -197,8 +197,11 @@ def _unit_at_end(name: str) -> Unit | None:
         if len(words) > count and (unit := signal_unit("_".join(words[-count:]))):
             return unit
     first, _, last = name.rpartition(" ")
-    plain = first and len(last) > 1 and last.casefold() not in {"in", "min", "mil"}
-    return signal_unit(last) if plain and ("/" in last or last.casefold() in _BY_NAME) else None
+    unit = signal_unit(last) if "/" in last or last.casefold() in _BY_NAME else None
+    if not first or last.casefold() in {"in", "min", "mil"} or unit is None:
+        return None
+    kinds = {KINDS[role] for role, word in WORDS.items() if word.fullmatch(first)}
+    return unit if len(last) > 1 or unit[0] in kinds else None
 
 
 # Possessive quantifiers: the time for a cell is proportional to its length.
@@ -304,7 +307,7 @@ class Table:
         for i in places[:CELLS_NAMED]:
             cell = self.cell(i, header.place) if self.cell else str(self.columns[header.place][i])
             what = f"{shown(cell)} is not a number" if cell else "the cell is empty"
-            if not math.isnan(values[i]):
+            if DECIMAL.fullmatch(cell) and not math.isnan(values[i]):
                 what = f"{cut(cell)} is too large to compute with, at most {most:g} is allowed"
             problems.append(f"{self.path}: row {self.row(i)}, {column}: {what}")
         if (more := len(places) - CELLS_NAMED) > 0:

@@ -23,7 +23,8 @@ _EPOCH: Final = 1e9, 4e9
 _EPOCH_UNITS: Final = (1.0, 1e-3, 1e-6, 1e-9)
 #: Of a step: the least coarseness of a clock that is made even, and the largest at which no rows are lost;
 #: the largest deviation of a clock that is even but for its digits, over its last digit.
-_COARSE, _LOSSLESS, _OFF = 0.05, 0.8, 1.25
+_COARSE, _LOSSLESS, _OFF = 0.05, 0.8, 1.1
+_ON_GRID: Final = 1e-3  # of the last digit: rounding of times
 _LEAST: Final = 5  # steps of each kind that tell a coarse clock from rows that are lost or written twice
 _COINCIDENCE: Final = (
     0.01  # probability at which runs one after another may look like a counter that overflows
@@ -107,29 +108,31 @@ def unwrapped(time: Floats, periods: Iterable[float]) -> tuple[Floats, float, in
 def evened(time: Floats) -> Floats | None:
     """Return an even clock in place of one whose last digit is coarse; None if it is not even but for that.
 
-    Such as whole milliseconds at 1600 rows a second: neighbours are equal, but the middle of all rows with
-    one time lies on a straight line over the rows, and no time is off it by more than its last digit.
+    Such as whole milliseconds at 1600 rows a second, of which neighbours are equal. The even clock is that
+    whose largest distance from the given times is least, and no greater than the last digit allows.
     """
-    mean = (time[-1] - time[0]) / max(1, time.size - 1)
-    kinds, counts = np.unique(
-        np.round(np.diff(time) / mean, 6) if mean > 0.0 else np.zeros(1), return_counts=True
-    )
-    gaps = np.diff(np.union1d(kinds, 0.0))
-    tick = float(gaps.min()) if gaps.size else 0.0
-    if (
-        kinds.size < 2
-        or np.sort(counts)[-2] < _LEAST
-        or not (_COARSE <= tick <= _LOSSLESS or kinds[0] == 0.0)
-    ):
+    rows = np.arange(time.size, dtype=np.float64)
+    mean = float(time[-1] - time[0]) / max(1, time.size - 1)
+    steps = np.diff(time) / mean if mean > 0.0 else np.zeros(1)
+    kinds, counts = np.unique(np.round(steps, 6), return_counts=True)
+    if kinds.size < 2 or np.sort(counts)[-2] < _LEAST:
         return None
-    values, starts, sizes = np.unique(time, return_index=True, return_counts=True)
-    if values.size < 2 * _LEAST:
+    tick = float(np.diff(np.union1d(kinds, 0.0)).min())
+    if np.abs(kinds / tick - np.round(kinds / tick)).max() > _ON_GRID or tick < _COARSE:
         return None
-    middle = starts + 0.5 * (sizes - 1)  # of the first and the last time some rows may be missing
-    centre = float(middle[1:-1].mean())
-    slope, offset = np.polyfit(middle[1:-1] - centre, values[1:-1], 1)
-    even: Floats = offset + slope * (np.arange(time.size) - centre)
-    return even if np.ptp(time - even) <= _OFF * tick * mean else None
+    if kinds[0] > 0.0 and tick > _LOSSLESS:
+        return None
+    from scipy.optimize import minimize_scalar
+
+    reach = 2.0 * tick * mean / time.size
+    found = minimize_scalar(
+        lambda step: float(np.ptp(time - step * rows)), bounds=(mean - reach, mean + reach), method="bounded",
+        options={"xatol": 1e-6 * reach},
+    )  # fmt: skip
+    step = float(found.x)
+    off = time - step * rows
+    even: Floats = step * rows + 0.5 * (off.min() + off.max())
+    return even if np.ptp(off) <= _OFF * tick * mean else None
 
 
 def held(values: Floats) -> int:

@@ -496,13 +496,10 @@ def _named(table: Table, headers: list[Header], role: str, wanted: _Wanted, take
     """Find the column that a user names; its unit is the one that the user gives, or else in its header."""
     path, key = table.path, wanted.headers[role].strip()
     name, unit_text = split_header(key)
-    found = (
-        [h for h in headers if h.text == key]
-        or [h for h in headers if h.text.casefold() == key.casefold()]
-        or [
-            h for h in headers if not {key.casefold(), name.casefold()}.isdisjoint(map(str.casefold, h.names))
-        ]
-    )
+    found = list[Header]()
+    for fold in (str, str.casefold):
+        found = found or [h for h in headers if fold(h.text) == fold(key)]
+        found = found or [h for h in headers if not {fold(key), fold(name)}.isdisjoint(map(fold, h.names))]
     if len(found) != 1:
         found = [h for h in headers if name == str(h.place + 1)] or found
     if not found and len(headers) == 1:  # whatever it is called
@@ -578,13 +575,15 @@ def _clock_unit(table: Table, header: Header, unit: Unit | None, *, typed: bool 
 
 
 def _nearest(table: Table, found: list[Header], places: set[int]) -> list[Header]:
-    """Choose of clocks with one name that to the left of the signals; several if these differ."""
+    """Choose of clocks with one name that to the left of the signals."""
     own = [max((h for h in found if h.place < p), key=lambda h: h.place, default=found[0]) for p in places]
-    first = table.columns[own[0].place] if own else None
     for header in own:
-        other = table.columns[header.place]
-        if first is not None and not np.all((first == other) | ((first != first) & (other != other))):
-            return found
+        one, other = (table.columns[h.place] for h in (own[0], header))
+        if not np.all((one == other) | ((one != one) & (other != other))):
+            both = f"columns {own[0].place + 1} and {header.place + 1}, {shown(header.text)}"
+            choose = argument("time", f"{header.place + 1}")
+            hint = f"measure one signal alone, or choose a clock for all: {choose}"
+            raise InputError(f"{table.path}: {both}, differ", hint=hint)
     return own[:1] or found
 
 
@@ -592,7 +591,7 @@ def _list(headers: Sequence[Header]) -> str:
     texts = [shown(h.text) for h in headers if h.name or h.stated]
     more = len(texts) - TOL.headers_named
     named = ", ".join(texts[: TOL.headers_named]) + (f" and {more} more" if more > 0 else "")
-    return named or f"{len(headers)} columns without names"
+    return named or f"1 to {len(headers)}, without names"
 
 
 @dataclass(frozen=True, eq=False)
@@ -774,11 +773,10 @@ def _check_time(table: Table, chosen: _Columns, time: Floats, kept: NDArray[np.i
     """Refuse a time that repeats, goes back or jumps; ``kept`` holds the places of its rows in the table."""
     steps = np.diff(time)
     usual = float(np.median(steps)) if steps.size else 0.0
-    rate = f"{(time.size - 1) / np.ptp(time):.6g}" if time.size and np.ptp(time) > 0.0 else "1000"
-    evenly = f"if the rows are evenly sampled, give {argument('rate', rate)} in place of {argument('time')}"
+    evenly = f"or give the sampling rate, {argument('rate', 'HZ')}, in place of {argument('time')}"
     for bad, what, hint in (
         (steps < 0.0, "goes back to", "sort the rows by time, or keep one of the runs"),
-        (steps == 0.0, "repeats", f"keep one row for each time; or {evenly}"),
+        (steps == 0.0, "repeats", f"keep one row for each time; {evenly}"),
         (steps > TOL.gap * usual, "jumps to", "fill the gap, or keep the part before or after it"),
     ):
         places = np.flatnonzero(bad)

@@ -28,6 +28,7 @@ _APART: Final = re.compile(r'"[^"]*"|\S+')
 _NAMES: Final = re.compile(r'(?:"[^"]*"|[^\s\[("]+)(?:\s*(?:\[[^\]]*\]|\([^)]*\)))?')
 _COMMENT: Final = re.compile(r"^\s*(?:[#%;!*]+|//+)\s*")
 _UNIT: Final = re.compile(r"\[(.*)\]|\((.*)\)|([^\[\]]{1,12})")  # a cell that holds nothing else
+_OTHER_UNIT: Final = re.compile(r"°[CF]?|%|k?Hz|rpm|deg(?:/s)?|rad(?:/s)?|[kM]?Pa|bar|m?A|k?W|kg|Nm|K|dB")
 _NOTHING: Final = re.compile(r"[-\s\[\]()]*")  # a column without a unit
 # Marks between thousands: of numbers that hold no decimal mark, or the other one, or several of them.
 _SPACES: Final = re.compile("(?<=[0-9])['\u2019\u00a0\u202f ](?=[0-9]{3}(?![0-9]))")
@@ -148,7 +149,7 @@ def text_table(path: Path) -> Table:
     names, units, also, lowest = _header(above, layout)
     one, two = ([*map(str.strip, layout.cells(lines[i]))] for i in (data * 2)[:2])
     if not names and one in ([f"{i + n}" for i in range(len(one))] for n in (0, 1)) and "." in "".join(two):
-        lowest, data = data[0], data[1:]  # which counts the columns
+        data = data[1:]  # the first row counts the columns
     while len(data) > 1 and not is_value("".join(layout.cells(lines[data[-1]])[layout.places[0] :][:1])):
         data.pop()
     odd = [i for i in filled if lowest < i < data[0] or i > data[-1] if not _COMMENT.match(lines[i])]
@@ -189,9 +190,10 @@ def _with_sure_commas(
 def _names_in(line: str, layout: _Layout) -> list[str]:
     """Part a line above the data as if it named the columns; empty if it has another number of cells."""
     for text in (_COMMENT.sub("", line), line):
-        parted = [_cells(text, mark) for mark in (layout.separator, ";", "\t", ",", " ")]
+        marks = (layout.separator, ";", "\t", ",") if layout.separator != " " else (";", "\t", ",")
         words = [word.replace('"', "") for word in _NAMES.findall(text)]
-        for cells in (*parted, re.split(r"\s{2,}", text.strip()), words):
+        parted = [_cells(text, mark) for mark in marks]
+        for cells in (*parted, re.split(r"\s{2,}", text.strip()), words, _cells(text, " ")):
             while len(cells) > layout.width and not cells[-1]:
                 cells.pop()
             if layout.width <= len(cells) <= layout.most and any(cells):
@@ -229,6 +231,7 @@ def _are_units(cells: list[str], *, alone: bool) -> bool:
     texts = [text for text in cells if not _NOTHING.fullmatch(text)]
     plain = [match[1] or match[2] or match[3] for text in texts if (match := _UNIT.fullmatch(text))]
     known = sum(signal_unit(text) is not None for text in plain)
+    known += (known > 0) * sum(_OTHER_UNIT.fullmatch(text) is not None for text in plain)
     return len(plain) == len(texts) and (known == len(texts) if alone else 2 * known > len(texts))
 
 
