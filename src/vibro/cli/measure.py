@@ -83,8 +83,8 @@ def measure_command(
 ) -> int:
     """Find what a trough does, and a part on it, from a record.
 
-    Columns of a part are found by their units: its motion stands beside the exact one. Name those of sensors
-    on the trough; -o DRIVE.toml writes its motion. From times or speeds, a row a setting, friction is fitted.
+    Columns of a part are found by their units, a phone's on the trough by x, y and z. Name other sensors on
+    it; -o DRIVE.toml writes its motion. From times or speeds, a row a setting, friction is fitted.
     """
     from vibro.answers.measurement import measurement_answer
     from vibro.cli.outputs import Outputs
