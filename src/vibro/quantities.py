@@ -366,6 +366,8 @@ STAND_RATIO: Final = Quantity("stand_ratio", allowed=POSITIVE)
 WAY: Final = Quantity("length", LENGTH, allowed=POSITIVE)
 CYCLES: Final = Quantity("cycles", allowed=Range(_FEW, 1e15, with_high=True))  # as many as doubles count
 DURATION: Final = Quantity("duration", TIME, allowed=POSITIVE)
+#: Time on the clock of a record, whose zero may be years away.
+CLOCK: Final = Quantity("time", TIME, allowed=EITHER_WAY)
 START_PHASE: Final = Quantity(
     "start_phase", ANGLE, "", "", ("start_phase",), _PHASE, "phase of the trough at the start"
 )

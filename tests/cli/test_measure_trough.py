@@ -15,6 +15,7 @@ import pytest
 from helpers.commands import Run, rows_of
 from helpers.feeders import Feeder, feeder
 from helpers.made_records import EXAMPLES, trough_record
+from typer.testing import Result
 
 import vibro
 from vibro.records.reading import read_sensitivities
@@ -158,7 +159,7 @@ def test_without_friction_neither_speed_nor_part_is_computed(run: Run) -> None:
 
 def test_a_scene_file_gives_the_rest_of_the_scene(run: Run, made: tuple[Path, Feeder]) -> None:
     """Its own motion, of whatever kind, is not the trough's."""
-    own = "[scene]\nfrequency_hz = 50\nstatic_friction = 0.74\nfriction_ratio = 0.75\ntrough_angle_deg = 2\n"
+    own = "[scene]\nfrequency_hz = 30\nstatic_friction = 0.74\nfriction_ratio = 0.75\ntrough_angle_deg = 2\n"
     for drive in (
         "stroke_mm = 5\ndrive_angle_deg = 3\n",
         "along_amplitudes_mm = [9, 1, 1, 1]\nalong_phases_deg = [0, 0, 0, 5]\n",
@@ -312,3 +313,90 @@ def test_the_sensitivities_of_the_guide_are_understood() -> None:
     assert len(texts) > 9
     for text in texts:
         assert read_sensitivities(["".join(text)])
+
+
+# --- records that are not what they seem: a start, a slow logger, few samples, a sweep -------------------
+
+
+def written(path: Path, rate: float, seconds: float, accelerations: Any, angle_deg: float) -> str:
+    """Write a record of accelerations along a line [m/s^2], with noise of 5 mg and gravity."""
+    random = np.random.default_rng(1)
+    time = np.arange(int(seconds * rate)) / rate
+    along, normal = (np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg)))
+    own = accelerations(time)
+    columns = (time, along * own, normal * own + 9.81)
+    noise = [0.0 * time, *(0.05 * random.standard_normal((2, time.size)))]
+    table = np.stack(columns, axis=1) + np.stack(noise, axis=1)
+    np.savetxt(path, table, "%.6f", ",", header="Time (s),ax (m/s^2),az (m/s^2)", comments="")
+    return str(path)
+
+
+def refusal(result: Result) -> str:
+    assert result.exit_code == 2
+    return str(result.stderr)
+
+
+SEEMING = ("--trough-along", "ax", "--trough-normal", "az")
+
+
+def test_of_a_start_the_steady_part_is_measured(run: Run, tmp_path: Path) -> None:
+    """The amplitude grows to 1 mm by 1 - exp(-2 t); parts hop on it."""
+    size = 1e-3 * (2.0 * np.pi * 25.0) ** 2
+    record = written(
+        tmp_path / "start.csv",
+        500.0,
+        4.0,
+        lambda t: -size * (1.0 - np.exp(-2.0 * t)) * np.sin(50.0 * np.pi * t),
+        25.0,
+    )
+    result = run("measure", record, *SEEMING, "--mu-s", "0.5", "--mu-d", "0.4", "--json")
+    assert "warning: the amplitude rises from 0.1" in result.stderr
+    assert "the steady part from 2." in result.stderr
+    trough = json.loads(result.stdout)["trough"]
+    assert trough["amplitude_mm"]["measured"] == pytest.approx(1.0, abs=0.005)
+    chosen = run("measure", record, *SEEMING, "--from", "3", "--to", "3.9", "--json")
+    assert json.loads(chosen.stdout)["rows"] == 451
+    assert "steady" not in chosen.stderr
+    for wrong, text in (("5", "0 rows lie from 5 to 3.998 s"), ("x", "'x'")):
+        assert text in refusal(run("measure", record, *SEEMING, "--from", wrong))
+
+
+def test_a_feeder_above_half_the_sampling_rate(run: Run, tmp_path: Path) -> None:
+    """0.02 mm at 100 Hz, which a telephone of 101 samples a second shows at 1.14 Hz."""
+    size = 2e-5 * (200.0 * np.pi) ** 2
+    record = written(
+        tmp_path / "phone.csv", 101.14, 10.0, lambda t: -size * np.sin(200.0 * np.pi * t + 0.7), 20.0
+    )
+    drive = ("-f", "100", "-a", "20", "-A", "0.02", "--mu-s", "0.5", "--mu-d", "0.4")
+    scene = tmp_path / "feeder.toml"
+    scene.write_text(
+        "[scene]\namplitude_mm = 0.02\nfrequency_hz = 100\ndrive_angle_deg = 20\n"
+        "static_friction = 0.5\nkinetic_friction = 0.4\n"
+    )
+    result = run("measure", str(scene), record, *SEEMING, "--json")
+    found = json.loads(result.stdout)
+    assert found["trough"]["amplitude_mm"]["measured"] == pytest.approx(0.02, rel=0.01)
+    speed = float(json.loads(run("solve", *drive, "--json").stdout)["mean_velocity_mm_s"])
+    assert found["speed"]["mean_velocity_mm_s"] == pytest.approx(speed, rel=0.01)
+    assert "(aliasing)" in result.stderr
+    refused = refusal(run("measure", record, *SEEMING))
+    assert "drives of 100 Hz (0.02 mm), 102.3 Hz (0.019 mm)" in refused
+    assert "of 0.14 m at 1.14 Hz is not credible" in refused
+
+
+def test_four_samples_a_cycle_and_a_sweep(run: Run, tmp_path: Path) -> None:
+    size = 5e-5 * (200.0 * np.pi) ** 2
+    few = written(tmp_path / "few.csv", 411.57, 4.0, lambda t: -size * np.sin(200.0 * np.pi * t + 0.7), 20.0)
+    result = run("measure", few, *SEEMING, "--json")
+    assert json.loads(result.stdout)["trough"]["amplitude_mm"]["measured"] == pytest.approx(0.05, rel=0.01)
+    assert "4.12 samples a cycle show the first harmonic alone" in result.stderr
+    sweep = written(
+        tmp_path / "sweep.csv",
+        500.0,
+        4.0,
+        lambda t: -25.0 * np.sin(2.0 * np.pi * (24.0 * t + 0.25 * t**2)),
+        25.0,
+    )
+    for options in ((), ("-f", "25")):
+        text = refusal(run("measure", sweep, *SEEMING, *options))
+        assert "the frequency changes, from 24 to 26 Hz" in text

@@ -273,16 +273,6 @@ def test_a_record_of_fewer_than_six_cycles_is_too_short(cycles: float, fits: boo
         motion_of(record)
 
 
-@pytest.mark.parametrize(("samples", "fits"), [(7, False), (8, True)])
-def test_a_record_of_fewer_than_eight_samples_a_cycle_is_too_coarse(samples: int, fits: bool) -> None:
-    record = trough_record(samples=samples, cycles=30.0, noise=0.01)
-    if fits:
-        assert motion_of(record).p_values.size == 3
-        return
-    with pytest.raises(InputError, match=r"15\.003 Hz"):
-        motion_of(record)
-
-
 @pytest.mark.parametrize(("most", "warned"), [(0.9, True), (0.98, True), (1.01, False)])
 def test_clipped_signals_are_warned_of(most: float, warned: bool) -> None:
     record = trough_record(cycles=30.0, samples=50)

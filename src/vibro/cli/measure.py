@@ -71,6 +71,10 @@ def measure_command(
     rate: Annotated[
         str | None, rare("rate", "Sampling rate of a record without a column of time.", "HZ")
     ] = None,
+    start: Annotated[
+        str | None, rare("from", "Beginning of the part that is taken, by its clock.", "S")
+    ] = None,
+    end: Annotated[str | None, rare("to", "End of this part.", "S")] = None,
     mass: Annotated[str | None, rare("mass", "Mass of the part [kg].", "X")] = None,
     reverse: Annotated[
         bool, option("reverse", "The data's axis points against the conveying direction.")
@@ -91,10 +95,11 @@ def measure_command(
     from vibro.cli.request import question, read_request
     from vibro.files.points import has_speeds
     from vibro.files.scene_files import read_scene_file
-    from vibro.quantities import LOAD, MASS, checked_number
+    from vibro.quantities import CLOCK, LOAD, MASS, checked_number
     from vibro.records.measurement import measure
     from vibro.records.reading import read_record, read_sensitivities
     from vibro.records.sensors import TURNED, Mounting, read_sensor_errors
+    from vibro.records.steadiness import part_of
 
     console = options.console
     options, data = _scene_and_record(options)
@@ -106,11 +111,18 @@ def measure_command(
     }  # fmt: skip
     columns = {name: text for name, text in given.items() if text is not None}
     if not columns and not sensitivity and rate is None and has_speeds(data):
-        if mass or reverse or absolute:
-            which = "--mass" if mass else "--reverse" if reverse else "--absolute"
+        given_too = {
+            "--mass": mass,
+            "--reverse": reverse,
+            "--absolute": absolute,
+            "--from": start,
+            "--to": end,
+        }
+        if which := next((name for name, value in given_too.items() if value), ""):
             raise InputError(f"{which}: {data} is a table of times or speeds", hint="leave the option out")
         return _measure_speeds(options, data, _fitted_names(fit), every=every)
     record = read_record(data, columns, read_sensitivities(sensitivity or ()), rate=rate)
+    record = part_of(record, *(None if x is None else checked_number(x, CLOCK) for x in (start, end)))
     console.echo_all(record.notes)
     angle = None if turned is None else math.radians(checked_number(turned, TURNED))
     mounting = Mounting(read_sensor_errors(sensor), angle)
@@ -277,7 +289,7 @@ def _measured_trough(
     problems = [
         f"{QUANTITIES[name].typed(cut(text))}: the {QUANTITIES[name].label} is measured already"
         for name, text in typed.items()
-        if STANDS_FOR.get(name, name) not in found.needed
+        if STANDS_FOR.get(name, name) not in {*found.needed, "frequency"}
     ]
     if problems:
         raise InputError(*problems, hint="leave it out, or the columns of the trough")

@@ -17,6 +17,7 @@ from vibro.errors import InputError
 from vibro.motion.settled import SettledMotion
 from vibro.quantities import AMPLITUDES
 from vibro.records.reading import TOL, Record
+from vibro.records.steadiness import scale_notes
 from vibro.scene import Scene
 
 if TYPE_CHECKING:
@@ -145,18 +146,16 @@ def fold(time: Floats, signal: Floats, frequency: float, trends: int) -> Folded:
     return replace(empty, coefficients=coefficients, covariance=np.asarray(variance * inverse))
 
 
-def check_size(
-    time: Floats, frequency: float, least_cycles: float = TOL.least_cycles, slack: float = TOL.printed
-) -> None:
-    """Refuse a record of too few cycles, or too few samples a cycle; both may fall short by a slack [1]."""
+def check_size(time: Floats, frequency: float) -> None:
+    """Refuse a record of too few cycles, or too few samples a cycle."""
     cycles = float(time[-1] - time[0]) * frequency
     samples = (time.size - 1) / max(cycles, TOL.rounding)
     for what, size, least, more in (
-        ("cycles", cycles, least_cycles, "record longer"),
+        ("cycles", cycles, TOL.least_cycles, "record longer"),
         ("samples a cycle", samples, TOL.least_samples, "sample faster"),
     ):
-        if size < least * (1.0 - slack):
-            few = f"the record has {_below(size)} {what} of {frequency:.6g} Hz: at least {least:g} are needed"
+        if size < least * (1.0 - TOL.printed):
+            few = f"the record has {below(size)} {what} of {frequency:.6g} Hz: at least {least:g} are needed"
             raise InputError(few, hint=f"{more}, or check the frequency and the unit of the time")
 
 
@@ -238,12 +237,13 @@ def independent_share(residual: Floats) -> float:
     return min(1.0, max((1.0 - neighbours) / (1.0 + neighbours), 2.0 / residual.size))
 
 
-def _below(number: float) -> str:
+def below(number: float) -> str:
     """Write a number below a limit with at most two decimals, rounded down: it must not read as the limit."""
     return f"{math.floor(100.0 * number + 1e-6) / 100.0:g}"
 
 
 _RANGE: Final = f"[{1.0 / TOL.largest:g}, {TOL.largest:g}]"
+_MOVING: Final = ("displacement", "velocity")
 _TRENDS: Final = {"displacement": 2, "velocity": 1, "acceleration": 1, "friction": 1}
 
 
@@ -332,7 +332,8 @@ class Observation:
         Raises
         ------
         InputError
-            If a force is the only signal and the mass is missing; or if the mass is beyond 1e-20 to 1e20 kg.
+            If a force is the only signal and the mass is missing; if the mass is beyond 1e-20 to 1e20 kg; or
+            if a signal is so large that its unit must be wrong.
         """
         if mass is not None and not 1.0 / TOL.largest <= mass <= TOL.largest:
             raise InputError(f"mass = {mass:.15g} kg: must be in {_RANGE} kg beside a record")
@@ -343,6 +344,12 @@ class Observation:
         if not signals:
             unknown = "the data contain only a force, and the mass is unknown"
             raise InputError(unknown, hint="give its mass, such as 20g")
+        check_size(record.time, frequency)
+        for name, values in signals.items():
+            speed = np.gradient(values, record.time) if name == "displacement" else values
+            size = math.sqrt(2.0) * float(np.std(speed)) * (math.tau * frequency) ** (name in _MOVING)
+            if name != "friction":
+                scale_notes(record, name, size, frequency)
         if "acceleration" in signals:
             # The velocity of a steady motion repeats, so that its acceleration has no mean. A mean in the
             # record is the sensor's zero, or gravity on a sensor that is not level: subtract it.
@@ -586,13 +593,15 @@ class Repetition:
     ----------
     span : float
         Length of the record [s].
+    rate : float
+        Rows in a second [Hz].
     alive : bool array
         Which of the signals vibrate by more than rounding; the others are left out.
     """
 
     def __init__(self, time: Floats, signals: Mapping[str, Floats], powers: Mapping[str, int]) -> None:
         self.span = float(np.ptp(time))
-        self._rate = (time.size - 1) / self.span
+        self.rate = (time.size - 1) / self.span
         self._time = time - 0.5 * float(time[0] + time[-1])
         self._trend = np.vander(self._time / (0.5 * self.span), 2, increasing=True)
         columns = np.array([values / (np.abs(values).max() or 1.0) for values in signals.values()]).T
@@ -626,6 +635,25 @@ class Repetition:
                 return candidate
         return None
 
+    def near(self, stated: float) -> float | None:
+        """Find the largest wave within a tenth of a frequency, however few samples a cycle it has.
+
+        Samples show a frequency above half their rate at a lower one: a wave there is taken for the frequency
+        nearest to the stated one. None if no wave stands up there, or another one is far larger.
+        """
+        frequency, waves = self._spectrum
+        turns = np.round((stated - frequency) / self.rate), np.round((stated + frequency) / self.rate)
+        meant = np.stack([turns[0] * self.rate + frequency, turns[1] * self.rate - frequency])
+        meant = meant[np.argmin(abs(meant - stated), axis=0), np.arange(frequency.size)]
+        inside = abs(meant - stated) <= TOL.near_stated * stated
+        if not inside.any():
+            return None
+        place = int(np.argmax(np.where(inside, waves, 0.0)))
+        beside = waves[max(place - 1, 0) : place + 2]
+        if waves[place] < beside.max() or waves[place] < TOL.own_wave * waves.max():
+            return None
+        return float(meant[place])
+
     def share(self, frequency: float) -> float:
         """Return the share of the power that a frequency explains, of the signal that it explains best."""
         return float((1.0 - self._squares(frequency) / self._power).max(initial=0.0))
@@ -640,19 +668,26 @@ class Repetition:
         return gain > TOL.clear + math.log(self._time.size)
 
     @cached_property
-    def _peak(self) -> float:
-        """Frequency of the largest wave; NaN where no wave can be resolved [Hz]."""
+    def _spectrum(self) -> tuple[Floats, Floats]:
+        """Return frequencies of at least two cycles [Hz], and all signals' power at them, over its total."""
         size = TOL.padding * self._time.size
         even = np.linspace(self._time[0], self._time[-1], self._time.size)
-        frequency = np.fft.rfftfreq(size, 1.0 / self._rate)
-        sought = (frequency * self.span >= TOL.least_cycles) & (frequency * TOL.coarsest <= self._rate)
-        if not sought.any() or not self.alive.any():
-            return math.nan
+        frequency = np.fft.rfftfreq(size, 1.0 / self.rate)
+        frequency = frequency[frequency * self.span >= TOL.least_cycles]
+        if not frequency.size or not self.alive.any():
+            return np.zeros(0), np.zeros(0)
         columns = [np.interp(even, self._time, column) for column in self._signals.T]
-        waves = np.abs(np.fft.rfft(columns, size, axis=1)[:, sought]) ** 2
-        shaped = waves * frequency[sought] ** (2.0 * self._powers[:, None])
-        total = (shaped / np.maximum(shaped.sum(axis=1, keepdims=True), np.finfo(float).tiny)).sum(axis=0)
-        return float(frequency[sought][np.argmax(total)])
+        waves = np.abs(np.fft.rfft(columns, size, axis=1)[:, -frequency.size :]) ** 2
+        shaped = waves * frequency ** (2.0 * self._powers[:, None])
+        shaped /= np.maximum(shaped.sum(axis=1, keepdims=True), np.finfo(float).tiny)
+        return np.asarray(frequency, np.float64), np.asarray(shaped.sum(axis=0), np.float64)
+
+    @cached_property
+    def _peak(self) -> float:
+        """Frequency of the largest wave; NaN where no wave can be resolved [Hz]."""
+        frequency, waves = self._spectrum
+        able = frequency * TOL.coarsest <= self.rate
+        return float(frequency[able][np.argmax(waves[able])]) if able.any() else math.nan
 
     def _near(self, frequency: float) -> Estimate:
         """Refine a frequency to the one of least misfit, with its standard error [Hz]."""
@@ -688,7 +723,7 @@ class Repetition:
         The harmonics end at a frequency that is the same for all that are tried. Residuals are scaled up for
         the number of coefficients.
         """
-        top = min(TOL.explained_up_to * self._peak, 0.5 * TOL.of_nyquist * self._rate)
+        top = min(TOL.explained_up_to * self._peak, 0.5 * TOL.of_nyquist * self.rate)
         most = min(TOL.most_harmonics, self._time.size // 6)
         count = max(1, min(most, int(top / frequency * (1.0 + TOL.printed))))
         which = np.arange(count) if which is None else which

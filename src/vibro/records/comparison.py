@@ -23,12 +23,14 @@ from vibro.records.alignment import (
     foreign_frequency,
 )
 from vibro.records.reading import TOL, doubt, rounded
+from vibro.records.steadiness import change_of, envelope_of
 from vibro.results.history import Phase
 from vibro.scene import Scene
 
 if TYPE_CHECKING:
     from vibro.reals import Floats
 
+_DERIVATIVES: Final = {"velocity": 1, "displacement": 0, "acceleration": 2}
 _WAYS: Final = {"F": 1, "B": -1}
 
 
@@ -104,7 +106,7 @@ class Comparison:
             begin = f"{1e3 * first:.4g} ms after the trough's middle"
             warnings.append(f"the data fit almost as well if they begin {begin}")
         warnings += _of_another_size(observation, motion)
-        warnings += _of_another_frequency(observation)
+        warnings += _of_another_frequency(observation) or _of_a_change(observation)
         warnings += _of_another_clock(observation, motion, alignment)
         advance = next((r.measured.value for r in self.rows if r.key == "stroke_advance"), math.nan)
         if advance * motion.advance < 0.0:
@@ -305,6 +307,22 @@ def _of_another_size(observation: Observation, motion: SettledMotion) -> list[st
             times = rounded(measured / computed)
             found.append(f"the {name} is about {times} times the computed one: {what}")
     return found
+
+
+def _of_a_change(observation: Observation) -> list[str]:
+    """Warn of a motion whose amplitude or frequency changes over the record."""
+    name = next((name for name in _DERIVATIVES if name in observation.signals), "")
+    if not name:
+        return []
+    folded, time = observation.folded[name], observation.time
+    cosines, sines = folded.coefficients[folded.trends :].reshape(2, -1)[:, :1]
+    left = (observation.signals[name] - folded.fitted(time))[:, None]
+    envelope = envelope_of(time, left, sines + 1j * cosines, np.ones(1), observation.frequency)
+    size = math.hypot(float(sines[0]), float(cosines[0]))
+    change = change_of(envelope, size / (math.tau * observation.frequency) ** _DERIVATIVES[name])
+    if envelope.p_value > TOL.by_chance or not change.is_seen:
+        return []
+    return [f"the part's motion is not steady: {change.text}; --from and --to choose a part of the record"]
 
 
 def _of_another_frequency(observation: Observation) -> list[str]:

@@ -95,6 +95,8 @@ def measure(
         As for ``compare`` and ``fit``.
     """
     onset = speeds = comparison = found = fitted = None
+    if trough:
+        record = trough.record
     if trough and trough.measured:
         onset = hop_onset(trough.measured, others)
         speeds = speeds_of(trough.measured, others) if "static_friction" in others else None

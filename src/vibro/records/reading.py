@@ -75,7 +75,10 @@ class _Tolerances(NamedTuple):
     significant: float = 8.0
 
     # --- frequency of a record ------------------------------------------------------------------------
-    coarsest: float = 4.0  # samples in a cycle of the largest wave
+    coarsest: float = 2.1  # samples in a cycle of the largest wave
+    # Of a frequency that is stated: induction motors slip by up to 7 % and follow the mains within 1 %; the
+    # next machine usually is farther away.
+    near_stated: float = 0.1
     explained_up_to: float = 8.0  # highest harmonic over the frequency of the largest wave
     padding: int = 4  # of the spectrum, so that its peaks lie within an eighth of 1/T
     near_peak: float = 0.6  # [1/T] largest distance of the best frequency from the peak
@@ -119,6 +122,16 @@ class _Tolerances(NamedTuple):
     # Of a motion: the phase of a smaller component does not matter, and the motion cannot be scaled from it.
     least_component: float = 1e-3
 
+    most_acceleration: float = 50.0 * 9.80665  # [m/s^2] of a trough: more is refused,
+    most_speed: float = 10.0  # [m/s] as are a faster one
+    most_amplitude: float = 0.1  # [m] and one that moves farther
+    lowest_frequency: float = 0.5  # [Hz] below it a clock in ms is the likely cause,
+    most_frequency: float = 1000.0  # [Hz] above it, one in s
+    slow_drive: float = 5.0  # [Hz] hardly a drive is slower: a lower frequency may be another one's
+    hides_drives: float = 250.0  # [Hz] a lower sampling rate is told with the drives that look the same,
+    highest_drive: float = 200.0  # [Hz] up to this frequency,
+    drives_named: int = 4  # of them so many
+
     # --- harmonics of the trough's motion -------------------------------------------------------------
     motion_harmonics: int = 16  # that are tested
     of_sampling: float = 0.45  # of the sampling rate: the highest of them, with the band beside it
@@ -136,6 +149,25 @@ class _Tolerances(NamedTuple):
     clip_band: float = 0.002  # of a signal's range, beside its ends
     # Rows at an end over those in the band: 2.4 of a sine of whole digits, 5.3 of a flatter crest.
     clip_ratio: float = 8.0
+
+    # --- steady running -------------------------------------------------------------------------------
+    steady_windows: int = 24  # at most, in which amplitude and phase are told,
+    window_cycles: float = 4.0  # of so many cycles at least
+    near_offset: float = 0.1  # of the frequency: a second wave within it beats with the first,
+    least_beats: float = 1.5  # so often at least in the record,
+    beat_share: float = 0.7  # and with so much of the power of all departures
+    # Relative swing of the amplitude, and of the phase [rad], up to which the mean is taken, with an error.
+    # A frequency that changes steadily then takes 1 % off the amplitude.
+    steady_amplitude: float = 0.1
+    steady_phase: float = 0.45
+    seen_change: float = 0.005  # relative: less is not warned of
+    monotonic: float = 0.7  # of a swing, that the amplitude rises or falls from the first to the last window
+    courses: tuple[int, ...] = (24, 12, 6)  # parts of a record in which a frequency is sought that changes,
+    least_course: int = 24  # of so many rows at least
+    standing: float = 0.3  # of the largest amplitude: with less a phase is not known
+    least_windows: int = 5  # of a part that is steady where the record is not,
+    least_part: float = 0.2  # and its share of the record
+    much_less: float = 0.3  # of the change of the whole record, at the same pace
 
     harmonics_matter: float = 1e-3  # of the speed: a smaller change by harmonics is left out of a comparison
     draws: int = 200  # of the noise: their standard deviation is known to 5 %

@@ -11,6 +11,7 @@ import math
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
@@ -22,9 +23,25 @@ from vibro.drives import Motion
 from vibro.errors import InputError, argument, shown
 from vibro.quantities import AMPLITUDES, DRIVES, ELLIPTICAL, LINEAR, MOST_HARMONICS, QUANTITIES
 from vibro.reals import shielded
-from vibro.records.alignment import Estimate, Repetition, check_size, harmonics, independent_share, regress
+from vibro.records.alignment import Estimate, Repetition, below, harmonics, independent_share, regress
 from vibro.records.reading import SIGNAL_UNITS, TOL, Record, doubt, read_record, read_sensitivities, rounded
 from vibro.records.sensors import Mounting, Placement, place, place_one, read_sensor_errors
+from vibro.records.steadiness import (
+    STEADY_HINT,
+    Change,
+    Envelope,
+    apparent,
+    change_of,
+    clock_text,
+    course_of_frequency,
+    envelope_of,
+    folding_onto,
+    part_of,
+    rate_of,
+    room_of,
+    scale_notes,
+    steady_part,
+)
 from vibro.scene import Scene
 from vibro.steady import solve
 
@@ -130,13 +147,17 @@ class MeasuredMotion:
     clock : float
         Time in the record at which the phase is 0 [s].
     span : float
-        Length of the record [s].
+        Length of the part of the record that was taken [s].
     rows : int
-        Number of rows of the record.
+        Number of its rows.
     sensors : tuple of Sensor
         Header and noise of each channel.
     warnings : tuple of str
         Reasons to doubt the measurement.
+    notes : tuple of str
+        What else is to be known of it.
+    start : float
+        Beginning of the part that was taken, on the record's clock [s].
 
     Notes
     -----
@@ -160,6 +181,8 @@ class MeasuredMotion:
     rows: int
     sensors: tuple[Sensor, ...]
     warnings: tuple[str, ...]
+    notes: tuple[str, ...] = ()
+    start: float = 0.0
 
     @property
     def order(self) -> int:
@@ -585,6 +608,9 @@ def measured_motion(
     turned: float | None = None,
     trough_angle: float = 0.0,
     sensor: str = "",
+    frequency: float | None = None,
+    start: float | None = None,
+    end: float | None = None,
 ) -> MeasuredMotion:
     """Determine a trough's periodic motion from a record of one or two sensors on it.
 
@@ -616,6 +642,10 @@ def measured_motion(
     sensor : str
         Standard errors of the sensors, such as ``"tilt=0.2deg,gain=1%,cross=1%,lowpass=100Hz"``; those that
         are not named are those of cheap sensors.
+    frequency : float, optional
+        About the drive's frequency, within a tenth. It may be above half the sampling rate [Hz].
+    start, end : float, optional
+        Part of the record that is taken, on its own clock; by default all of it, or what is steady [s].
 
     Returns
     -------
@@ -657,7 +687,9 @@ def measured_motion(
     texts = [sensitivity] if isinstance(sensitivity, str) else sensitivity
     record = read_record(Path(path), columns, read_sensitivities(texts), body=False, rate=rate)
     mounting = Mounting(read_sensor_errors(sensor), turned, trough_angle)
-    return motion_of(record, mounting, reverse=reverse, drive_angle=drive_angle)
+    return motion_of(
+        record, mounting, reverse=reverse, drive_angle=drive_angle, stated=frequency, start=start, end=end
+    )
 
 
 @shielded
@@ -699,15 +731,20 @@ def motion_of(
     drive_angle: float | None = None,
     down: bool = False,
     short: bool = False,
+    stated: float | None = None,
+    start: float | None = None,
+    end: float | None = None,
 ) -> MeasuredMotion:
     """Measure the trough's motion from a record of it.
 
     Parameters
     ----------
-    record, reverse, drive_angle
+    record, reverse, drive_angle, start, end
         As for ``measured_motion``.
     mounting : Mounting
         How the sensors are mounted; by default exactly as they are named.
+    stated : float, optional
+        Its ``frequency``.
     down : bool
         Whether to allow a line that leads down in the conveying direction, which is an ellipse with a phase
         of half a turn.
@@ -720,23 +757,65 @@ def motion_of(
     InputError
         As for ``measured_motion``.
     """
+    record = part_of(record, start, end)
     _check_sensors(record, drive_angle, mounting)
+    measure = partial(
+        _motion_in,
+        mounting=mounting,
+        stated=stated,
+        reverse=reverse,
+        drive_angle=drive_angle,
+        down=down,
+        short=short,
+    )
+    motion, envelope, change = measure(record)
+    if change and change.is_large:
+        part = steady_part(envelope)
+        if part is None:
+            raise InputError(_course_of(record) or change.text, hint=STEADY_HINT)
+        motion, _, left = measure(part_of(record, *part), is_part=True)
+        if left and left.is_large:
+            raise InputError(change.text, hint=STEADY_HINT)
+        ends = f"from {clock_text(part[0])} to {clock_text(part[1])} s"
+        text = f"{change.text}: the steady part {ends} is taken; --from and --to choose another one"
+        motion = replace(motion, warnings=(text, *motion.warnings))
+    return replace(motion, warnings=(*motion.warnings, *_clipped(record)))
+
+
+def _motion_in(
+    record: Record,
+    *,
+    mounting: Mounting,
+    stated: float | None,
+    reverse: bool,
+    drive_angle: float | None,
+    down: bool,
+    short: bool,
+    is_part: bool = False,
+) -> tuple[MeasuredMotion, Envelope, Change | None]:
+    """Measure the motion in a record, and how it changes if that is beyond noise."""
     signals = {name: -x if reverse and name == _ALONG else x for name, x in record.trough.items()}
     span = float(np.ptp(record.time))
-    frequency = _frequency(record, signals)
-    check_size(record.time, frequency, TOL.least_cycles if short else TOL.motion_cycles, TOL.about)
+    frequency = _frequency(record, signals, stated)
+    rate = rate_of(record.time)
+    _check_room(frequency, rate, span, TOL.least_cycles if short else TOL.motion_cycles)
     middle = 0.5 * float(record.time[0] + record.time[-1])
     time, values = record.time - middle, np.stack(list(signals.values()), axis=1)
-    count = min(TOL.motion_harmonics, int(TOL.of_sampling * (time.size - 1) / span / frequency))
+    count = max(1, min(TOL.motion_harmonics, int(TOL.of_sampling * (time.size - 1) / span / frequency)))
 
     is_short = span * frequency < TOL.motion_cycles * (1.0 - TOL.about)
     frequency, significant, noise, kept, error = _fitted(time, values, frequency, count, is_short=is_short)
+    # So many frequencies next to the stated one may look like a wave by chance.
+    tried = 1.0 if stated is None else max(1.0, 2.0 * TOL.near_stated * stated * span)
+    if stated is not None and noise.p_values[0] > TOL.by_chance / tried:
+        raise _no_wave(record, stated)
 
     # (i k w)^power turns a harmonic of a displacement or a velocity into one of the acceleration.
     rates = np.asarray(math.tau * frequency * np.arange(1, significant + 1), np.float64)
     powers = np.array([*record.trough_derivatives.values()])
     factors = (1j * rates[:, None]) ** powers / mounting.errors.response(rates[:, None] / math.tau)
     sizes, order = noise.sizes[:significant] * factors, kept.count
+    seen = abs(sizes[0]).tolist()
     if sizes.shape[1] == 1:
         other = math.tan(drive_angle or 0.0)
         is_along = _ALONG in signals
@@ -755,6 +834,18 @@ def motion_of(
     rest = np.sqrt(np.square(kept.left * abs(factors[0]) @ axes.T).mean(axis=0) / own)
     sizes, factors = sizes[:order], factors[:order]
     covariance = axes @ (noise.covariance[:order] * factors[:, :, None] * factors[:, None, :].conj()) @ axes.T
+
+    envelope = envelope_of(time, kept.left, kept.sizes[0], kept.weights, frequency)
+    envelope = envelope._replace(start=float(record.time[0]))
+    line = 1.0 if drive_angle is None else _line_of(record, drive_angle)
+    change = None
+    if not is_short and (is_part or envelope.p_value < TOL.by_chance):
+        along = float(np.linalg.norm(sizes[0])) / line / (math.tau * frequency) ** 2
+        change = change_of(envelope, along, is_part=is_part)
+        # amplitude and phase of all channels together
+        covariance = covariance + 2.0 * change.amplitude**2 * sizes[:, :, None] * sizes[:, None, :].conj()
+        error = math.hypot(error, change.frequency)
+
     phase = float(np.angle(-sizes[0, _reference(sizes, covariance)]))
     clock = np.exp(-1j * np.arange(1, order + 1) * phase)[:, None]
     columns = [(record.headers[name], record.sensitivities.get(name, "")) for name in signals]
@@ -777,11 +868,31 @@ def motion_of(
         rows=time.size,
         sensors=tuple(Sensor(*column, *pair) for column, pair in zip(columns, numbers, strict=True)),
         warnings=(),
+        start=float(record.time[0]),
     )
+    if change and change.is_large:
+        return motion, envelope, change
+    same = _same_drives(motion, rate) if stated is None else ""
+    cause = f"{same}: give the frequency of the drive, {argument('frequency', '50')}; or " if same else ""
+    notes = []
+    for channel, size in zip(signals, seen, strict=True):
+        notes += scale_notes(record, channel, size, frequency, cause)
+    if count == 1:
+        notes.append(f"{rate / frequency:.3g} samples a cycle show the first harmonic alone")
     if not down:
         _refuse_line_down(motion, reverse=reverse)
-    warnings = (*placement.warnings, *_sensor_doubts(motion), *_clipped(record), *_left_out(motion))
-    return replace(motion, warnings=warnings)
+    warnings = [f"{change.text}: errors include it"] if change and change.is_seen else []
+    if same:  # hardly any drive is so slow
+        (warnings if frequency < TOL.slow_drive else notes).append(
+            f"{same}: give the frequency of the drive (-f)"
+        )
+    warnings += [
+        *placement.warnings,
+        *_sampling_doubts(motion, rate),
+        *_sensor_doubts(motion),
+        *_left_out(motion),
+    ]
+    return replace(motion, warnings=tuple(warnings), notes=tuple(notes)), envelope, change
 
 
 def _fitted(
@@ -800,6 +911,63 @@ def _fitted(
     noise = _noise_of(_Regression(time, values, frequency, count))
     kept = _Regression(time, values, frequency, 1 if is_short else min(significant, MOST_HARMONICS))
     return frequency, significant, noise, kept, _frequency_error(kept, noise)
+
+
+def _check_room(frequency: float, rate: float, span: float, least: float) -> None:
+    """Refuse a record of too few cycles, or sampled at nearly a multiple of half the frequency."""
+    cycles, room = span * frequency, span * room_of(frequency, rate)
+    if cycles < least * (1.0 - TOL.about):
+        few = f"the record has {below(cycles)} cycles of {frequency:.6g} Hz: at least {least:g} are needed"
+        raise InputError(few, hint="record longer, or check the frequency and the unit of the time")
+    if room < least * (1.0 - TOL.about):
+        slow = room == span * apparent(frequency, rate)
+        beside = f"{rate:.5g} samples a second" if slow else f"half of {rate:.5g} samples a second"
+        near = f"{frequency:.5g} Hz is too near to a multiple of {beside}"
+        raise InputError(f"{near}: the amplitude cannot be told", hint="sample at another rate, or longer")
+
+
+def _no_wave(record: Record, stated: float | None) -> InputError:
+    """Say why no wave stands out."""
+    if changes := _course_of(record):
+        return InputError(changes, hint=STEADY_HINT)
+    columns = " and ".join(shown(record.headers[name]) for name in record.trough)
+    at = "" if stated is None else f" of {stated:.6g} Hz"
+    hint, rate = "was the trough running?", rate_of(record.time)
+    if stated is None and rate < TOL.hides_drives:
+        must = f"The frequency of a drive above {0.5 * rate:.4g} Hz must be given"
+        hint += f" {must}: {argument('frequency', '50')}"
+    return InputError(f"no wave{at} stands out in column {columns}", hint=hint)
+
+
+def _line_of(record: Record, drive_angle: float) -> float:
+    """Return what one sensor sees of a motion along a line."""
+    return math.cos(drive_angle) if _ALONG in record.trough else math.sin(drive_angle)
+
+
+def _sampling_doubts(motion: MeasuredMotion, rate: float) -> list[str]:
+    """Warn of a frequency that samples show at another one, and of a harmonic that they show at it."""
+    frequency, shown_at = motion.frequency, apparent(motion.frequency, rate)
+    found = []
+    if 2.0 * frequency > rate:
+        text = f"{frequency:.6g} Hz is above half of {rate:.5g} samples a second"
+        text += f", which show it at {shown_at:.4g} Hz (aliasing)"
+        found.append(f"{text}: right only if the sensor has no filter against this")
+    for k in (2, 3, 4):
+        if k * frequency > 0.5 * rate and abs(apparent(k * frequency, rate) - shown_at) * motion.span < 2.0:
+            text = f"{rate:.5g} samples a second show harmonic {k} as the first one"
+            return [*found, f"{text}, which is wrong by as much: sample at another rate"]
+    return found
+
+
+def _same_drives(motion: MeasuredMotion, rate: float) -> str:
+    """Name drives above half a low sampling rate that would look the same; empty if there are none."""
+    others = folding_onto(motion.frequency, rate, TOL.highest_drive) if rate < TOL.hides_drives else []
+    if not others:
+        return ""
+    size = 1e3 * float(np.linalg.norm([motion.along[0], motion.normal[0]])) * motion.frequency**2
+    same = [f"{x:.4g} Hz ({size / x**2:.2g} mm)" for x in others[: TOL.drives_named]]
+    more = " and others" if len(others) > len(same) else ""
+    return f"at {rate:.5g} samples a second drives of {', '.join(same)}{more} would look the same"
 
 
 def _sensor_doubts(motion: MeasuredMotion) -> list[str]:
@@ -858,15 +1026,17 @@ def _check_sensors(record: Record, drive_angle: float | None, mounting: Mounting
         raise InputError(f"{argument(name)} cannot measure the motion {at}", hint=hint)
 
 
-def _frequency(record: Record, signals: Mapping[str, Floats]) -> float:
+def _frequency(record: Record, signals: Mapping[str, Floats], stated: float | None) -> float:
     """Return the frequency at which the motions repeat, to well within 1/T, T the record's length [Hz].
+
+    It is the one of the wave next to the stated frequency, if one is given.
 
     The search takes long in many rows: it begins in the middle of a long record, whose part then grows.
 
     Raises
     ------
     InputError
-        If a signal does not vibrate, or no wave stands out.
+        If a signal does not vibrate, no wave stands out, or the stated frequency is another one's.
     """
     size, rows = record.time.size, min(record.time.size, TOL.frequency_rows)
     part = slice((size - rows) // 2, (size - rows) // 2 + rows)
@@ -878,17 +1048,47 @@ def _frequency(record: Record, signals: Mapping[str, Floats]) -> float:
         if not alive or float(np.abs(middle[name]).max()) < 1.0 / TOL.largest:
             dead = f"column {shown(record.headers[name])} for {name} does not vibrate"
             raise InputError(dead, hint="is its sensor connected?")
-    found = repetition.fundamental()
-    if found is None:
-        columns = " and ".join(shown(record.headers[name]) for name in signals)
-        raise InputError(f"no wave stands out in column {columns}", hint="was the trough running?")
-    frequency = found.value
+    frequency = _found(repetition, stated)
+    if frequency is None:
+        raise _no_wave(record, stated)
     while (rows := TOL.frequency_growth * rows) < size:
         part = slice((size - rows) // 2, (size - rows) // 2 + rows)
         time = record.time[part] - 0.5 * float(record.time[part][0] + record.time[part][-1])
         values = np.stack([x[part] for x in signals.values()], axis=1)
         frequency = _refined(time, values, frequency, 1)
     return frequency
+
+
+def _course_of(record: Record) -> str:
+    """Say how the frequency changes in a record; empty if it does not clearly do so."""
+    return course_of_frequency(record.time, np.stack(list(record.trough.values()), axis=1))
+
+
+def _found(repetition: Repetition, stated: float | None) -> float | None:
+    """Return the frequency of the drive, near the stated one if there is one; None if no wave stands out.
+
+    Raises
+    ------
+    InputError
+        If the motion repeats at another frequency than the stated one.
+    """
+    near = None if stated is None else repetition.near(stated)
+    if stated is not None and near is not None and 2.0 * near > repetition.rate:
+        return near
+    found = repetition.fundamental()
+    if stated is None or found is None or abs(found.value - stated) <= TOL.near_stated * stated:
+        return found.value if found and near is None else near
+    other = found.value
+    # A larger wave of another machine does not matter, but half or a third of the frequency does.
+    if near is not None and abs(near / other - round(near / other)) > TOL.drifted:
+        return near
+    text = f"the trough moves at {other:.5g} Hz, the drive is given as {stated:.6g} Hz"
+    why = "if it is right"
+    if abs(other / stated - 2.0) < TOL.near_stated:
+        why = "magnets pull twice in a period of the mains"
+    raise InputError(
+        text, hint=f"{why}, give {argument('frequency', f'{other:.5g}')}, or leave the frequency out"
+    )
 
 
 def _reference(sizes: Complexes, covariance: Complexes) -> int:
@@ -986,12 +1186,11 @@ def _spectral(regression: _Regression) -> tuple[Complexes, float]:
     left out, and times that are rounded, do no harm where each row takes the nearest place of an even clock.
     """
     time, left, frequency = regression.time, regression.left, regression.frequency
-    steps = np.diff(time)
-    # Where times are rounded the median is too: the mean of the steps over which no row is left out is not.
-    step = float(steps[steps < 1.5 * np.median(steps)].mean())
+    rate = rate_of(time)
+    step = 1.0 / rate
     places = np.rint((time - time[0]) / step).astype(np.intp)
     clock = np.zeros((int(places[-1]) + 1, left.shape[1]), np.complex128)
-    each = int(TOL.band * frequency * len(clock) * step)
+    each = int(TOL.band * room_of(frequency, rate) * len(clock) * step)
     if each < TOL.least_bins:
         return _white(regression)
     found = np.empty((regression.count, left.shape[1], left.shape[1]), np.complex128)
@@ -1225,6 +1424,8 @@ class TroughDrive(NamedTuple):
         What stands in the scene.
     measured : MeasuredMotion or None
         All harmonics; None if the record does not determine them.
+    record : Record
+        The part of the record that was taken.
     notes, warnings : sequence of str
         How it was chosen, and reasons to doubt it.
     """
@@ -1232,6 +1433,7 @@ class TroughDrive(NamedTuple):
     first: MeasuredDrive
     drive: MeasuredDrive
     measured: MeasuredMotion | None
+    record: Record
     notes: Sequence[str]
     warnings: Sequence[str]
 
@@ -1296,7 +1498,16 @@ def trough_drive(
         if mounting.turned:
             unknown = "one sensor that is turned shows both motions of an ellipse"
             raise InputError(unknown, hint=f"leave out {argument('turned')}, or name the other sensor too")
-    motion = motion_of(record, mounting, reverse=reverse, drive_angle=angle, down=elliptical, short=compares)
+    motion = motion_of(
+        record,
+        mounting,
+        reverse=reverse,
+        drive_angle=angle,
+        down=elliptical,
+        short=compares,
+        stated=own.get("frequency"),
+    )
+    record = part_of(record, motion.start, motion.start + motion.span * (1.0 + TOL.rounding))
     if elliptical or motion.on_an_ellipse:
         first = motion.drive_on_ellipse(own.get("normal_phase", 0.0) if elliptical else None)
     else:
@@ -1311,9 +1522,9 @@ def trough_drive(
     takes, text = (True, "") if others is None else _takes_harmonics(measured, others, fits=fits)
     if takes:
         drive = motion.drive_by_harmonics() if motion.order > 1 else first
-        return TroughDrive(first, drive, measured, (text,) if text else (), warnings)
+        return TroughDrive(first, drive, measured, record, [*motion.notes, *filter(None, [text])], warnings)
     warnings += [*motion.impurities, *first.warnings, *filter(None, [text])]
-    return TroughDrive(first, first, measured, (), warnings)
+    return TroughDrive(first, first, measured, record, motion.notes, warnings)
 
 
 def _takes_harmonics(
