@@ -265,6 +265,7 @@ class Table:
         cells = [column[index] for column in self.columns]
         return not any(DECIMAL.fullmatch(x) if isinstance(x, str) else x == x for x in cells)
 
+    @np.errstate(over="ignore", invalid="ignore")  # of values that are refused
     def numbers(self, header: Header, unit: float, cells: NDArray[Any] | None = None) -> Floats:
         """Read a column, or other cells in its place, in SI units; NaN for cells without a value."""
         cells = self.columns[header.place] if cells is None else cells
@@ -283,6 +284,7 @@ class Table:
             raise InputError(*self.named(header, bad, values, LARGEST / abs(unit)), hint=DELETE)
         return values
 
+    @np.errstate(over="ignore", invalid="ignore")
     def times(self, header: Header, unit: float) -> tuple[Floats, Floats]:
         """Read a column of times [s], NaN where there is none; and times after which it may start anew."""
         cells = self.columns[header.place]
