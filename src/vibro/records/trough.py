@@ -1350,7 +1350,7 @@ def _parts(kinds: Mapping[str, Sequence[Any]], moved: Sequence[float]) -> dict[s
     effects = 0.5 * np.diff(np.reshape(moved, (-1, 2)), axis=1)
     ends = np.cumsum([len(pairs) for pairs in kinds.values()])
     sizes = [float(np.linalg.norm(part)) for part in np.split(effects, ends[:-1])]
-    sizes = [size if size > TOL.idle * max(sizes) else 0.0 for size in sizes]  # rounding of what has no effect
+    sizes = [size if size > TOL.idle * max(sizes) else 0.0 for size in sizes]  # rounding
     return dict(sorted(zip(kinds, sizes, strict=True), key=lambda part: -part[1]))
 
 
