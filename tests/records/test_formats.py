@@ -13,18 +13,19 @@ from numpy.typing import NDArray
 from scipy.io import savemat, wavfile
 
 from vibro.errors import InputError
-from vibro.records.formats import Channels, lvm_table, read_channels
+from vibro.records.channels import Table
+from vibro.records.formats import lvm_table, read_channels
 
 SLOW, FAST = Sampled.at(250.0), Sampled.at(1000.0)
 
 
-def read(path: Path) -> Channels:
+def read(path: Path) -> Table:
     table = read_channels(path)
     assert table is not None
     return table
 
 
-def tdms(path: Path, *channels: tuple[str, str, NDArray[Any], dict[str, Any]]) -> Channels:
+def tdms(path: Path, *channels: tuple[str, str, NDArray[Any], dict[str, Any]]) -> Table:
     nptdms = library("nptdms")
     with nptdms.TdmsWriter(path) as writer:
         writer.write_segment([nptdms.ChannelObject(*channel) for channel in channels])

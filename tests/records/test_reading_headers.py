@@ -172,10 +172,10 @@ def test_a_third_axis_of_the_trough(tmp_path: Path) -> None:
     np.testing.assert_allclose(record.trough["trough_across"], [2 * 9.80665] * 2)
 
 
-def test_a_table_of_another_format_needs_names_units_and_a_step() -> None:
+def test_a_table_of_another_format_needs_names_units_and_columns() -> None:
     columns = [np.array([1.0, 2.0, 4.0]), np.array([7, 8, 9])]
-    table = Table(Path("x.tdms"), ["Acc along", "count"], columns, ["g", ""], step=0.5)
+    table = Table(Path("x.tdms"), ["Acc along", "Count"], columns, ["g", "ms"])
     record = record_of(table, {"trough_along": "acc along"}, body=False)
-    np.testing.assert_array_equal(record.time, [0.0, 0.5, 1.0])
+    np.testing.assert_allclose(record.time, [7e-3, 8e-3, 9e-3], rtol=1e-15)
     np.testing.assert_allclose(record.trough["trough_along"], [9.80665, 19.6133, 39.2266], rtol=1e-15)
-    assert record.headers == {"trough_along": "Acc along [g]"}
+    assert record.headers == {"time": "Count [ms]", "trough_along": "Acc along [g]"}

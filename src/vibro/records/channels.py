@@ -218,9 +218,8 @@ Flags = NDArray[np.bool_]
 class Table:
     """Columns of a file of any format, from which ``record_of`` takes the signals that are wanted.
 
-    A reader of a format returns one: ``Table(path, names, columns, units, step=1e-3)`` is all that a format
-    with channels, units and a sampling step has to give. Which column is which signal, sensitivities, rows
-    without a value and the clock are the business of ``record_of``.
+    A reader of a format returns one: names, columns and units are all that it has to give. Which column is
+    which signal, sensitivities, rows without a value and the clock are the business of ``record_of``.
 
     Attributes
     ----------
@@ -240,8 +239,6 @@ class Table:
         More names of the columns, such as a row of descriptions; users may choose by them too.
     notes : sequence of str
         How the file was read, for the user.
-    step : float or None
-        Time between two rows [s], of a file without a column of time.
     cell : callable, optional
         The text of a cell in the file, by the index of its row and by its column from 0.
     """
@@ -253,7 +250,6 @@ class Table:
     rows: Sequence[int] = ()
     also: Sequence[Sequence[str]] = ()
     notes: Sequence[str] = ()
-    step: float | None = None
     cell: Callable[[int, int], str] | None = None
 
     def row(self, index: int) -> int:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import numpy as np
 
 from vibro.errors import FileError, InputError, cut, how_to_install, shown
+from vibro.records.channels import Table
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -28,20 +29,11 @@ class _Channel(NamedTuple):
     times: Floats | None = None
 
 
-class Channels(NamedTuple):
-    """Channels side by side, as the fields of ``reading.Table`` are called."""
-
-    names: tuple[str, ...]
-    columns: tuple[Floats, ...]
-    units: tuple[str, ...]
-    notes: tuple[str, ...]
-
-
 _EXPORT: Final = "export it again, or as CSV"
 _UFF: Final = re.compile(rb" {4}-1 *\r?\n *(?:15|18|55|58|82|151|164|1858|24[0-9][0-9])b?\s")
 
 
-def read_channels(path: Path) -> Channels | None:
+def read_channels(path: Path) -> Table | None:
     """Read a file of TDMS, UFF58, MAT or WAV; None if its content is none of these.
 
     Raises
@@ -86,7 +78,7 @@ def _known(path: Path) -> tuple[str, Callable[[Path], Iterator[_Channel]]] | Non
     return ("UFF58", _uff) if _UFF.match(head) else None
 
 
-def _side_by_side(path: Path, channels: list[_Channel], note: str) -> Channels:
+def _side_by_side(path: Path, channels: list[_Channel], note: str) -> Table:
     """Put channels side by side; of slower ones cells are empty, those of another length are left out."""
     if not channels:
         raise InputError(f"{path}: no channel of numbers", hint=_EXPORT)
@@ -113,7 +105,7 @@ def _side_by_side(path: Path, channels: list[_Channel], note: str) -> Channels:
     if left:
         note += f"; left out, as their length is not {size}: {', '.join(left)}"
     names, units, columns, _ = zip(*(c for c in channels if c.values.size == size), strict=True)
-    return Channels(names, columns, units, (note,))
+    return Table(path, names, columns, units, notes=(note,))
 
 
 def _tdms(path: Path) -> Iterator[_Channel]:

@@ -446,7 +446,7 @@ def _columns_of(table: Table, wanted: _Wanted) -> _Columns:
     # A user who names one signal wants no others; the time is always needed, and chosen by its signals.
     named = [role for role in KINDS if role in wanted.headers and role != "time"]
     sought = () if not wanted.body or any(role in named for role in SIGNALS) else SIGNALS
-    clock = () if wanted.rate or (table.step is not None and "time" not in wanted.headers) else ("time",)
+    clock = () if wanted.rate else ("time",)
     if not (named or wanted.sensitivities):
         found |= _phone_axes(headers)
     for role in dict.fromkeys([*named, *sought, *clock]):
@@ -707,9 +707,7 @@ def read_record(
         If a column is missing, ambiguous or without a unit; if a cell is no number, or too many are empty; if
         the time has gaps, repeats or goes back. Row and column are named.
     """
-    channels = read_channels(path)
-    table = Table(path, **channels._asdict()) if channels else text_table(path)
-    return record_of(table, columns, sensitivities, body=body, rate=rate)
+    return record_of(read_channels(path) or text_table(path), columns, sensitivities, body=body, rate=rate)
 
 
 def record_of(
@@ -736,9 +734,9 @@ def record_of(
     if "time" in chosen:
         time, periods = table.times(chosen["time"].header, chosen["time"].size)
     else:
-        step = 1.0 / wanted.rate if wanted.rate else table.step or 1.0
-        time, periods = np.arange(table.columns[0].size, dtype=np.float64) * step, np.empty(0)
-        notes.append(f"time: {1.0 / step:g} rows a second")
+        rate = wanted.rate or 1.0
+        time, periods = np.arange(table.columns[0].size, dtype=np.float64) / rate, np.empty(0)
+        notes.append(f"time: {rate:g} rows a second")
     some = np.flatnonzero(~np.isnan([time, *values.values()]).all(axis=0))
     end = int(some[-1]) + 1 if some.size else time.size  # of columns that end before others
     time, values = time[:end], {role: x[:end] for role, x in values.items()}
@@ -781,11 +779,11 @@ def _with_values(
         rows = [str(table.row(i)) for i in lost.tolist()]
         named = ", ".join([*rows[:CELLS_NAMED], *(["..."] if len(rows) > CELLS_NAMED else [])])
         return kept, [f"skipped rows without a value: {named} ({lost.size} of {kept.size})"] if rows else []
-    time = values["time"]
-    steps, usual = np.diff(time[kept]), np.nanmedian(np.diff(time))
+    steps = np.diff(values["time"][kept])
     slow = float(np.median(steps)) if steps.size >= TOL.fewest_values else 0.0
+    usual = float(np.median(np.diff(values["time"][~np.isnan(values["time"])]))) if slow > 0.0 else 0.0
     even = np.count_nonzero(np.abs(steps - slow) <= TOL.even * slow)
-    if slow > (1.0 + TOL.even) * usual and even >= (1.0 - TOL.skipped) * steps.size:
+    if slow > max(0.0, (1.0 + TOL.even) * usual) and even >= (1.0 - TOL.skipped) * steps.size:
         each = "all columns" if len(values) > 2 else "the column"
         return kept, [
             f"{steps.size + 1} of {kept.size} rows hold a value in {each}, {1.0 / slow:.7g} a second"

@@ -160,7 +160,7 @@ def text_table(path: Path) -> Table:
     if layout.separator not in {",", ""} or decimals:
         notes.append(f"{path.name}: separated by {_SEPARATORS[layout.separator]}{decimals}")
     columns = columns[: max(layout.width, len(names))]
-    rows = [row + [""] * (len(columns) - len(row)) for row in (names, units, *also)]
+    rows = [(row + [""] * len(columns))[: len(columns)] for row in (names, units, *also)]
 
     def cell(row: int, place: int) -> str:
         return "".join(layout.cells(lines[data[row]])[place : place + 1])
