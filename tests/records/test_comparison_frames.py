@@ -14,7 +14,7 @@ from helpers.made_records import EXAMPLES, ON_ELLIPSES, PERIOD, Walked, nut
 import vibro
 from vibro.motion.settled import settled_motion
 from vibro.plots.comparison import comparison_figure
-from vibro.records.alignment import computed_signals
+from vibro.records.alignment import Observation, computed_signals
 from vibro.records.comparison import Comparison, Row, compare
 from vibro.records.fitting import fit
 from vibro.records.problem import HOPS, Problem, scene_cycles
@@ -112,7 +112,8 @@ def test_searches_compute_the_same_motion_over_the_ground(label: str) -> None:
     time, names = np.linspace(0.0, 0.2, 101), ("displacement", "velocity", "acceleration", "friction")
     fields = Problem(scene, Walked(scene).observe("velocity"), ["kinetic_friction"]).fixed
     many = scene_cycles({name: np.full(2, value) for name, value in fields.items()})
-    found = many.signals(names, time, np.array([0.0, 0.01]), 1e-3, absolute=True)
+    seen = Observation(time, dict.fromkeys(names, time), 1.0 / 0.05, absolute=True)
+    found = many.signals(seen, time, np.array([0.0, 0.01]), 1e-3)
     for i, shift in enumerate((0.0, 0.01)):
         exact = computed_signals(settled_motion(scene), names, time + shift, 1e-3, absolute=True)
         for name in names:

@@ -26,14 +26,17 @@ from scipy.signal import lfilter
 import vibro
 from vibro.motion.settled import settled_motion
 from vibro.records.alignment import Observation
+from vibro.records.drive_errors import DriveError, drive_errors
 from vibro.records.fitting import Fit, Minimum, Parameter, _profile, fit
 from vibro.records.problem import FITTABLE, Problem
 from vibro.records.reading import read_record
-from vibro.records.trough import motion_of
+from vibro.records.sensors import SensorErrors
+from vibro.records.trough import trough_drive
 
 if TYPE_CHECKING:
     from vibro.reals import Floats
 
+EXACT = SensorErrors(0.0, 0.0, 0.0, 0.0, 0.0, angle=0.0, amplitude=0.0)
 SLIP = ("static_friction", "kinetic_friction")
 MOTION = ("displacement", "velocity", "acceleration")
 ELLIPSE = ("along_amplitude", "normal_amplitude", "normal_phase")
@@ -502,10 +505,11 @@ def fitted_with_its_drive(seed: int, *, carried: bool) -> Fit:
     record = trough_record(1e-3, FREQUENCY, math.radians(20.0), noise=1.5, seed=seed, trigger=0.0137)
     random = np.random.default_rng(seed + 1000)
     way = Walked(nut()).displacement(record.time + 0.0137) + 2e-6 * random.standard_normal(record.time.size)
-    drive = motion_of(record).drive_on_line()
-    scene = nut(**{name: estimate.value for name, estimate in drive.quantities.items()})
+    trough = trough_drive(record, {})
+    scene = nut(**{name: estimate.value for name, estimate in trough.drive.quantities.items()})
     observation = Observation.of(replace(record, signals={"displacement": way}), float(scene.frequency))
-    return fit(scene, observation, ["static_friction", "kinetic_friction"], drive.moved if carried else ())
+    errors = drive_errors(scene, trough, EXACT) if carried else ()
+    return fit(scene, observation, ["static_friction", "kinetic_friction"], errors)
 
 
 @pytest.mark.usefixtures("own_start_alone")
@@ -523,14 +527,11 @@ def test_intervals_carry_the_errors_of_a_measured_drive() -> None:
 
 
 @pytest.mark.usefixtures("own_start_alone")
-def test_a_drive_that_is_known_exactly_widens_nothing() -> None:
+def test_of_what_is_fitted_the_stated_value_widens_nothing() -> None:
     scene, names = nut(), ["static_friction", "kinetic_friction"]
     observation = Walked(scene).observe("displacement", cycles=6)
     plain = fit(scene, observation, names)
-    motion = motion_of(trough_record())
-    exact = replace(motion, covariance=0.0 * motion.covariance, frequency_error=0.0)
-    assert exact.drive_on_line().moved == []
-    # Of a quantity that is fitted itself the measured value does not count.
-    fitted = [({"kinetic_friction": 0.6}, {"kinetic_friction": 0.5})]
+    # Of a quantity that is fitted itself what is stated does not count.
+    fitted = [DriveError("amplitude", {"kinetic_friction": 0.6}, {"kinetic_friction": 0.5})]
     for one, other in zip(fit(scene, observation, names, fitted).parameters, plain.parameters, strict=True):
         assert (one.low, one.high) == pytest.approx((other.low, other.high), rel=1e-3)

@@ -11,7 +11,7 @@ from helpers.made_records import FREQUENCY, ON_ELLIPSES, PERIOD, Walked, nut
 
 import vibro
 from vibro.motion.settled import settled_motion
-from vibro.records.alignment import computed_signals
+from vibro.records.alignment import Observation, computed_signals
 from vibro.records.problem import HOPS, labels_of, scene_cycles
 
 SIGNALS = ("displacement", "velocity", "acceleration", "friction")
@@ -43,7 +43,7 @@ def test_every_pattern_has_the_signals_of_another_solver(scenes: dict[str, vibro
     cycles = scene_cycles(values_of(*scenes.values()))
     assert cycles.labels.tolist() == list(scenes)
     shifts = PERIOD * np.linspace(0.0, 0.9, len(scenes))
-    signals = cycles.signals(SIGNALS, TIME, shifts, WINDOW)
+    signals = cycles.signals(Observation(TIME, dict.fromkeys(SIGNALS, TIME), FREQUENCY), TIME, shifts, WINDOW)
     for row, (label, scene) in enumerate(scenes.items()):
         trough = TIME + shifts[row]
         if label == HOPS:

@@ -15,9 +15,11 @@ from vibro.errors import VibroError
 from vibro.motion.settled import settled_motion
 from vibro.records.alignment import Observation, check_scene
 from vibro.records.comparison import compare
+from vibro.records.drive_errors import DriveError, drive_errors
 from vibro.records.fitting import fit
 from vibro.records.problem import FITTABLE, HOPS, scene_cycles
-from vibro.records.trough import motion_of
+from vibro.records.sensors import SensorErrors
+from vibro.records.trough import MeasuredMotion, TroughDrive, motion_of
 
 GRAVITY, FREQUENCY, RATE = 9.81, 15.0, 600.0
 ANGLE = math.radians(20.0)
@@ -95,7 +97,8 @@ def test_cycles_of_several_scenes_are_those_of_each() -> None:
     cycles = scene_cycles(fields)
     assert cycles.labels.tolist() == ["F_B_", "FB", "_"]
     time, shift = np.linspace(0.0, 0.2, 50), np.array([0.0, 0.01, 0.02])
-    signals = cycles.signals(["velocity", "displacement", "friction"], time, shift, 1e-4)
+    seen = Observation(time, dict.fromkeys(("velocity", "displacement", "friction"), time), FREQUENCY)
+    signals = cycles.signals(seen, time, shift, 1e-4)
     for i, (mu_s, mu_d) in enumerate(((0.5, 0.4), (0.2, 0.15), (0.9, 0.8))):
         exact = settled_motion(scene_of(mu_s, mu_d)).sample(time + shift[i])
         np.testing.assert_allclose(signals["velocity"][i], exact.velocity, atol=1e-12)
@@ -160,21 +163,32 @@ def test_friction_is_fitted_with_harmonics(monkeypatch: pytest.MonkeyPatch) -> N
         {**DRIVE._replace(along=gain * DRIVE.along, normal=gain * DRIVE.normal).drive()}
         for gain in (1.01, 0.99)
     )
-    wide = fit(scene_of(0.5, 0.36), record, names, [(more, less)]).parameters[0]
+    wide = fit(scene_of(0.5, 0.36), record, names, [DriveError("gain", more, less)]).parameters[0]
     assert wide.low < 0.4 < wide.high
     assert wide.high - wide.low > 3.0 * (exact.high - exact.low)
+
+
+def errors_of(measured: MeasuredMotion) -> list[DriveError]:
+    """Return the errors of a drive of harmonics, of exact sensors."""
+    first, drive = measured.drive_on_ellipse(0.0), measured.drive_by_harmonics()
+    scene = vibro.Scene(**measured.drive(), static_friction=0.5, kinetic_friction=0.4)
+    exact = SensorErrors(0.0, 0.0, 0.0, 0.0, 0.0, angle=0.0, amplitude=0.0)
+    return drive_errors(scene, TroughDrive(first, drive, measured, feeder(3).record(3), (), ()), exact)
 
 
 def test_a_measured_drive_is_moved_by_all_its_errors() -> None:
     """By twice as many as there are harmonics of both sensors, and by that of the frequency."""
     measured = motion_of(feeder(3).record(3))
     drive = measured.drive_by_harmonics()
-    assert len(drive.moved) == 4 * 3 + 1
+    errors = errors_of(measured)
+    assert [error.name for error in errors] == 13 * ["noise"]
     squares = np.zeros((2, 3))
     late = 0.0
-    for more, less in drive.moved:
-        late += (0.5 * (more["frequency"] - less["frequency"])) ** 2
+    for _, more, less in errors:
+        late += (0.5 * (more["frequency"] - less["frequency"])) ** 2 if "frequency" in more else 0.0
         for i, name in enumerate(("along_harmonics", "normal_harmonics")):
+            if name not in more or "frequency" in more:
+                continue
             sizes = [np.array([float(size) for size, _ in fields[name]]) for fields in (more, less)]
             squares[i] += (0.5 * (sizes[0] - sizes[1])) ** 2
     assert math.sqrt(late) == pytest.approx(measured.frequency_error)
@@ -192,7 +206,7 @@ def test_a_measured_drive_is_moved_by_all_its_errors() -> None:
 def test_one_sensor_gives_both_motions_the_same_relative_errors() -> None:
     measured = motion_of(feeder(3).record(3, sensors=1), drive_angle=0.4)
     drive = measured.drive_by_harmonics()
-    assert len(drive.moved) == 2 * 3 + 1
+    assert len(errors_of(measured)) == 2 * 3 + 1
     for end in ("", "_2", "_3"):
         along, normal = (drive.quantities[f"{way}_amplitude{end}"] for way in ("along", "normal"))
         assert normal.value == pytest.approx(math.tan(0.4) * along.value)

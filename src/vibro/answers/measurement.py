@@ -11,7 +11,7 @@ from vibro.answers.answer import Answer, Fact, Table, given_text, number, shown,
 from vibro.errors import printable
 from vibro.files.csv_tables import columns_of
 from vibro.files.motions import harmonic_lists
-from vibro.quantities import QUANTITIES, SIZES, STANDS_FOR
+from vibro.quantities import QUANTITIES
 from vibro.records.reading import TOL
 from vibro.records.trough import MEASURED
 
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from vibro.records.fitting import Fit, Parameter
     from vibro.records.measurement import Measurement
     from vibro.records.reading import Record
+    from vibro.records.sensors import SensorErrors
     from vibro.records.trough import HopOnset, MeasuredMotion, TroughDrive
     from vibro.sweeps.request import Request
 
@@ -44,6 +45,17 @@ _SLIPS: Final = (
     "slips, measured and computed, start and end where the speed passes"
     f" {100.0 * TOL.slide_level:g} % of its peak"
 )
+# Errors by the fields of ``SensorErrors``, in words, and their sizes in the unit of these.
+_ERRORS: Final = {
+    "tilt": ("a sensor tilt of {:.2g} deg", math.degrees(1.0)),
+    "gain": ("a gain error of {:.2g} %", 100.0),
+    "cross": ("a cross-axis sensitivity of {:.2g} %", 100.0),
+    "delay": ("{:.2g} us between the channels", 1e6),
+    "offset": ("an offset of {:.2g} mg", 1e3 / 9.80665),
+    "angle": ("an error of the drive angle of {:.2g} deg", math.degrees(1.0)),
+    "amplitude": ("an error of the amplitude of {:.2g} %", 100.0),
+}
+_MATTERS: Final = 0.1  # of an interval: an error that makes it wider by less is not named
 _WAYS: Final = {"trough_along": "along", "trough_normal": "normal"}
 _NOTHING: Final = 1e-3  # of the largest contribution to an error: less is not worth a word
 #: Kinds of error, for people.
@@ -106,6 +118,7 @@ def measurement_answer(m: Measurement, data: Path, request: Request) -> Answer:
     if m.fit:
         tables.append(_fit_table(m.fit, request))
         record["fit"] = {p.name: _parameter_record(p) for p in m.fit.parameters}
+        record["assumed"] = _assumed(m.errors)
     title = " – ".join(filter(None, (data.name, request.name)))
     return Answer(facts, [table for table in tables if table.rows], _notes(m, request), record, title)
 
@@ -372,7 +385,39 @@ def _parameter_record(p: Parameter) -> dict[str, Any]:
         "low": outside(p.low),
         "high": outside(p.high),
         "intervals": [[outside(low), outside(high)] for low, high in p.intervals],
+        "narrower_without": dict(p.narrower),
     }
+
+
+def _assumed(errors: SensorErrors) -> dict[str, Any]:
+    """Return the standard errors of sensors and of a stated drive that a fit assumes."""
+    return {
+        "tilt_deg": math.degrees(errors.tilt),
+        "gain": errors.gain,
+        "cross": errors.cross,
+        "delay_s": errors.delay,
+        "lowpass_hz": errors.lowpass if math.isfinite(errors.lowpass) else None,
+        "angle_deg": math.degrees(errors.angle),
+        "amplitude": errors.amplitude,
+        "stated": sorted(errors.stated),
+    }
+
+
+def _causes(m: Measurement, fit: Fit) -> list[str]:
+    """Say which errors of sensors, or of a stated drive, make intervals wide, and which are assumed."""
+    errors = {name: text.format(size * getattr(m.errors, name)) for name, (text, size) in _ERRORS.items()}
+    errors["noise"] = "the noise of the trough's sensors"
+    causes = []
+    for p in fit.parameters:
+        most = sorted(p.narrower.items(), key=lambda item: -item[1])[:2]
+        parts = [f"{100.0 * x:.0f} % without {errors[name]}" for name, x in most if x >= _MATTERS]
+        letter = QUANTITIES[p.name].letter
+        causes += [f"the interval of {letter} would be narrower by {' or '.join(parts)}"] * bool(
+            parts and p.intervals
+        )
+    used = {name for p in fit.parameters for name in p.narrower}
+    assumed = [text for name, text in errors.items() if name in used and name in m.errors._fields]
+    return [*causes, *[f"assumed standard errors: {', '.join(assumed)}"] * bool(assumed)]
 
 
 def _notes(m: Measurement, request: Request) -> list[str]:
@@ -380,11 +425,4 @@ def _notes(m: Measurement, request: Request) -> list[str]:
     slips = [_SLIPS] if m.comparison and any("slip" in row.key for row in m.comparison.rows) else []
     if m.fit is None:
         return slips
-    known = {*(m.trough.drive.quantities if m.trough else ()), *(p.name for p in m.fit.parameters)}
-    taken = {
-        name: value
-        for name, value in request.given_values.items()
-        if name in (*SIZES, "drive_angle") and STANDS_FOR.get(name, name) not in known
-    }
-    exact = [f"taken as exact, so that no interval holds its error: {given_text(taken)}"] * bool(taken)
-    return [*m.fit.statements, *exact, *slips]
+    return [*m.fit.statements, *_causes(m, m.fit), *slips]

@@ -126,7 +126,7 @@ def measure_command(
     console.echo_all(record.notes)
     angle = None if turned is None else math.radians(checked_number(turned, TURNED))
     mounting = Mounting(read_sensor_errors(sensor), angle)
-    if not record.trough and (turned or sensor):
+    if not record.trough and (turned or (sensor and fit is None and math.isinf(mounting.errors.lowpass))):
         which = "--turned" if turned else "--sensor"
         raise InputError(f"{which}: the record holds no motion of the trough", hint="name --trough-along")
     scene = read_scene_file(options.scene).scene if options.scene else {}
@@ -153,7 +153,7 @@ def measure_command(
         with console.progress("fitting" if fit else "comparing", None) as bar:
             m = measure(
                 record, trough, _others(request), request.scene() if compares else None, _fitted_names(fit),
-                mass=body, reverse=reverse, absolute=absolute,
+                mass=body, reverse=reverse, absolute=absolute, errors=mounting.errors,
                 progress=lambda done, total, what: bar(done, what, total),
             )  # fmt: skip
         for warning in m.warnings:

@@ -288,6 +288,8 @@ class Observation:
         the trough.
     frequency_error : float
         Standard error of the frequency, 0 if it was given [Hz].
+    lowpass : float
+        Corner of the first-order low-pass filter in each channel; inf without one [Hz].
     """
 
     time: Floats
@@ -297,6 +299,7 @@ class Observation:
     sensitivities: Mapping[str, str] = field(default_factory=dict)
     absolute: bool = False
     frequency_error: float = 0.0
+    lowpass: float = math.inf
 
     @classmethod
     def of(
@@ -309,6 +312,7 @@ class Observation:
         clock: Estimate | None = None,
         absolute: bool = False,
         frequency_error: float = 0.0,
+        lowpass: float = math.inf,
     ) -> Observation:
         """Select the signals of a record that can be compared.
 
@@ -328,6 +332,8 @@ class Observation:
             Whether the record's motions are those over the ground, as a camera on a tripod sees them.
         frequency_error : float
             Standard error of the frequency, 0 if it was given [Hz].
+        lowpass : float
+            Corner of the first-order low-pass filter in each channel [Hz].
 
         Raises
         ------
@@ -355,7 +361,7 @@ class Observation:
             # record is the sensor's zero, or gravity on a sensor that is not level: subtract it.
             steady = fold(record.time, signals["acceleration"], frequency, _TRENDS["acceleration"])
             signals["acceleration"] = signals["acceleration"] - steady.coefficients[0]
-        about = clock, record.sensitivities, absolute, frequency_error
+        about = clock, record.sensitivities, absolute, frequency_error, lowpass
         return cls(record.time, signals, frequency, *about)
 
     @property
@@ -390,13 +396,19 @@ class Observation:
         """Return the record relative to the trough, whose motion at a shift is subtracted if need be."""
         if not self.absolute:
             return self
-        trough = motion.trough(self.time + shift)
+        trough = low_passed(
+            lambda time, _: motion.trough(time), self.time + shift, motion.period, self.lowpass
+        )
         signals = {name: values - trough.get(name, 0.0) for name, values in self.signals.items()}
         return replace(self, signals=signals, absolute=False)
 
     def model(self, motion: SettledMotion, time: Floats) -> dict[str, Floats]:
         """Compute what the record's sensors show at trough times."""
-        return computed_signals(motion, self.signals, time, self.sample_time, absolute=self.absolute)
+
+        def sample(time: Floats, window: float) -> dict[str, Floats]:
+            return computed_signals(motion, self.signals, time, window, absolute=self.absolute)
+
+        return low_passed(sample, time, motion.period, self.lowpass, self.sample_time)
 
     def rough_shift(self, motion: SettledMotion) -> tuple[float, Floats]:
         """Return the best shift on a grid over the cycle, and the negative log-likelihood of every shift.
@@ -454,6 +466,47 @@ def check_scene(scene: Scene) -> None:
     value, least = float(getattr(scene, name) if own else scene.scale), 1.0 / TOL.largest
     if value < least:
         raise InputError(f"{name} = {value:.15g} m: must be at least {least:g} m beside a record")
+
+
+def low_passed(
+    sample: Callable[[Floats, float], dict[str, Floats]],
+    time: Floats,
+    period: float,
+    corner: float,
+    window: float = 0.0,
+) -> dict[str, Floats]:
+    """Return signals behind a low-pass filter of the first order.
+
+    Parameters
+    ----------
+    sample : callable
+        Returns the signals, (..., N), at trough times, (N,), averaged over a window [s].
+    time : array, shape (..., N)
+        Trough times [s].
+    period : float
+        After which the signals repeat, but for an advance [s].
+    corner : float
+        Of the filter; inf without one [Hz].
+    window : float
+        Of the averages, without a filter [s].
+    """
+    if math.isinf(corner):
+        return sample(time, window)
+    count = TOL.filtered
+    cycle = period * np.arange(count + 1) / count
+    turns = np.floor(time / period)
+    found = {}
+    for name, values in sample(cycle, period / count).items():
+        advance = values[..., -1:] - values[..., :1]
+        waves = np.fft.rfft(values[..., :-1] - advance * cycle[:-1] / period)
+        waves /= 1.0 + 1j * np.arange(waves.shape[-1]) / (period * corner)
+        smooth = np.fft.irfft(waves, count)
+        smooth = np.concatenate([smooth, smooth[..., :1]], axis=-1)
+        at = np.broadcast_to(time - turns * period, (*smooth.shape[:-1], time.shape[-1]))
+        rows = zip(at.reshape(-1, at.shape[-1]), smooth.reshape(-1, count + 1), strict=True)
+        folded = np.array([np.interp(a, cycle, s) for a, s in rows]).reshape(at.shape)
+        found[name] = folded + advance * (time / period - 1.0 / (math.tau * period * corner))
+    return found
 
 
 def computed_signals(

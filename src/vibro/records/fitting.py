@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from itertools import product
 from operator import itemgetter
@@ -18,12 +18,14 @@ from vibro.errors import InputError, cut, shown
 from vibro.motion.settled import settled_motion
 from vibro.quantities import AMPLITUDES, QUANTITIES
 from vibro.records.alignment import Observation, check_scene
-from vibro.records.problem import FITTABLE, HOPS, Moves, Problem, fittable, starts
+from vibro.records.problem import FITTABLE, HOPS, Problem, fittable, starts
 from vibro.records.reading import TOL
 from vibro.scene import Scene
 
 if TYPE_CHECKING:
     from vibro.reals import Floats
+    from vibro.records.drive_errors import DriveError
+    from vibro.records.sensors import SensorErrors
 
     _Move = Callable[[Floats], Floats]
 
@@ -262,16 +264,20 @@ class Parameter:
         The best fit [SI].
     intervals : tuple of pairs of float
         Confidence intervals at 95 %, ascending and disjoint [SI]; they cover noise, misfit and the errors of
-        a measured drive, not what the model leaves out. More than one if patterns fit that are apart from
-        each other. Empty if the data do not bound the quantity.
+        the drive and the sensors, not what the model leaves out. More than one if patterns fit that are apart
+        from each other. Empty if the data do not bound the quantity.
     identified : bool
         Whether the data determine a value; else at most a range is known.
+    narrower : mapping of str to float
+        By which share the interval would be narrower without each error of the drive and of the sensors, by
+        the names of ``DriveError``; within the pattern of the best fit [1].
     """
 
     name: str
     value: float
     intervals: _Intervals
     identified: bool
+    narrower: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def low(self) -> float:
@@ -291,7 +297,7 @@ class Fit:
     Attributes
     ----------
     scene : Scene
-        The scene with the estimates.
+        The scene with the estimates, and with the drive that fits best within its errors.
     parameters : tuple of Parameter
         The estimates, in the order of the names.
     statements : tuple of str
@@ -325,7 +331,8 @@ def fit(
     scene: Scene,
     observation: Observation,
     names: Sequence[str],
-    moved: Sequence[Moves] = (),
+    drive: Sequence[DriveError] = (),
+    sensors: SensorErrors | None = None,
     progress: Callable[[int, int, str], None] | None = None,
 ) -> Fit:
     """Estimate quantities of a scene from a record.
@@ -338,9 +345,10 @@ def fit(
         The record.
     names : sequence of str
         Some of ``FITTABLE``.
-    moved : sequence of pair of mapping of str to object
-        For each independent error of a measured drive the fields of the scene that it changes, one standard
-        error to either side [SI]; the drive is fitted within them.
+    drive : sequence of DriveError
+        Independent errors of the drive, within which it is fitted too.
+    sensors : SensorErrors, optional
+        Errors of the sensors on the body; without them these are exact.
     progress : callable, optional
         Called before each search with the number of those that are done, of those that are known to be
         needed, and what is searched.
@@ -367,7 +375,7 @@ def fit(
     """
     check_scene(scene)
     check_names(scene, names)
-    problem, work = Problem(scene, observation.middle, names, moved), _Work(progress)
+    problem, work = Problem(scene, observation.middle, names, drive, sensors), _Work(progress)
     minima = _first_minima(problem, work)
     worst = minima[0].squares + TOL.stands_out
     rest = next((m for m in minima if m.label == "_" and m.squares <= worst), None)
@@ -420,12 +428,14 @@ def _judged(problem: Problem, fitting: list[Minimum], intervals: list[_Intervals
     # A curved valley of the misfit cannot be followed to its ends: quantities along it have no interval.
     groups = _groups(problem, best)
     mixed = {name for group in groups if len(group) > 1 for name in group} if problem.is_curved else set()
+    narrower = _narrower(problem, best)
     parameters = []
-    for column, (name, found) in enumerate(zip(problem.names, intervals, strict=True)):
+    for column, (name, found) in enumerate(zip(problem.names[: problem.asked], intervals, strict=True)):
         bounded = () if name in mixed else _bounded(found, *problem.bounds[:, column])
         identified = bool(acts[column] and _half_width(bounded) <= TOL.wide * sizes[column])
-        parameters.append(Parameter(name, float(best.point[column]), bounded, identified))
-    fitted = Scene(**(problem.fixed | {p.name: p.value for p in parameters}))
+        shares = {error: float(values[column]) for error, values in narrower.items()}
+        parameters.append(Parameter(name, float(best.point[column]), bounded, identified, shares))
+    fitted = Scene(**(problem.fixed | dict(zip(problem.names, best.point.tolist(), strict=False))))
     return Fit(fitted, tuple(parameters), tuple(_statements(problem, fitting, parameters, fitted, groups)))
 
 
@@ -477,8 +487,13 @@ def _weighed_minima(problem: Problem, minima: list[Minimum], work: _Work) -> lis
     """Weight the signals by the residuals of the best pattern, and minimise all patterns again."""
     for _ in range(TOL.weighings):
         best = minima[0]
-        problem.weigh(best.point)
-        best = minimise(problem, best_of(problem, best.label, best.point[None]), TOL.enough)
+        for _ in range(TOL.weighings):
+            problem.weigh(best.point)
+            start = best_of(problem, best.label, best.point[None])
+            best = minimise(problem, start, TOL.enough)
+            # Far from the best point weights are too small, as of a misfit that it does not have.
+            if best.squares > start.squares - TOL.rough:
+                break
         others = [best_of(problem, m.label, m.point[None]) for m in minima[1:]]
         most = best.squares + TOL.excluded
         others = _least_of_each(problem, [*others, *_neighbours(problem, best)])
@@ -625,6 +640,28 @@ def _refitted(problem: Problem, near: Minimum, path: Floats, column: int, value:
     return Minimum(near.label, start, math.inf)
 
 
+def _narrower(problem: Problem, best: Minimum) -> dict[str, Floats]:
+    """Return by which share intervals would be narrower without each error, by linear theory."""
+    if not problem.effects.size:
+        return {}
+    jacobian, first = jacobian_at(problem.without_errors(), best), problem.asked
+    design = np.hstack(
+        [jacobian[:, :first], jacobian[:, -1:], jacobian[:, first:-1] @ problem.steps, problem.effects]
+    )
+    names = np.array([""] * (first + 1) + problem.errors)
+    costs = np.diag((names != "").astype(float))
+    sizes = {}
+    for name in dict.fromkeys(names.tolist()):
+        kept = (names != name) | (names == "")
+        covariance = _covariance(np.vstack([design, costs])[:, kept])
+        sizes[name] = np.sqrt(covariance.diagonal()[:first])
+    whole = sizes.pop("")
+    return {
+        name: np.where(whole > 0.0, 1.0 - size / np.maximum(whole, 1e-300), 0.0)
+        for name, size in sizes.items()
+    }
+
+
 # --- in words -------------------------------------------------------------------------------------------
 
 
@@ -651,7 +688,22 @@ def _statements(
         several = f"patterns {' and '.join(labels)}" if len(labels) > 1 else "phases to both sides of 0"
         found.append(f"{several} fit: an interval in pieces holds the values of each")
     found += _unidentified(pattern, lost, groups)
-    return found + _limits(problem, pattern, parameters, fitted)
+    return found + _limits(problem, pattern, parameters, fitted) + _misfits(problem, best)
+
+
+def _misfits(problem: Problem, best: Minimum) -> list[str]:
+    """Say what the best motion does not explain."""
+    found = []
+    if best.label != HOPS and (signals := problem.unexplained(best.label, best.point)):
+        which = f"{', '.join(signals)}: a misfit repeats in every cycle, and no value explains it"
+        causes = "a low-pass filter that is not stated"
+        causes += "" if problem.observation.absolute else ", data over the ground"
+        found.append(f"{which}; the intervals may miss the truth: {causes}, or another law of friction")
+    most = float(np.abs(problem.pulled(best.point)).max(initial=0.0))
+    if most > TOL.likely_sigmas:
+        off = f"the record fits best {most:.2g} standard errors from the drive that is measured or stated"
+        found.append(f"{off}: the intervals may miss the truth")
+    return found
 
 
 def _unidentified(pattern: str, lost: Mapping[str, Parameter], groups: _Groups) -> list[str]:
@@ -681,17 +733,17 @@ def _unidentified(pattern: str, lost: Mapping[str, Parameter], groups: _Groups) 
 def _groups(problem: Problem, best: Minimum) -> _Groups:
     """Return combinations of quantities that the data do not determine.
 
-    They are singular vectors of the relative sensitivities, after the effect of the trigger time is
-    projected out.
+    They are singular vectors of the relative sensitivities, after the effects of the trigger time and of the
+    drive's errors are projected out.
     """
     jacobian = jacobian_at(problem, best)
-    clock, free = jacobian[:, -1:], jacobian[:, :-1]
-    power = float((clock**2).sum())
-    if power > 0.0:
-        free = free - clock @ (clock.T @ free) / power
-    _, singular, directions = np.linalg.svd(free * problem.scale(best.point)[:-1], full_matrices=False)
+    free, others = jacobian[:, : problem.asked], jacobian[:, problem.asked :]
+    free = free - others @ (_covariance(others) @ (others.T @ free))
+    sizes = problem.scale(best.point)[: problem.asked]
+    _, singular, directions = np.linalg.svd(free * sizes, full_matrices=False)
+    asked = problem.names[: problem.asked]
     return [
-        tuple(name for name, share in zip(problem.names, row, strict=True) if abs(share) > TOL.group_share)
+        tuple(name for name, share in zip(asked, row, strict=True) if abs(share) > TOL.group_share)
         for row in directions[singular * TOL.unknown < 1.0]
     ]
 
@@ -700,7 +752,7 @@ def _limits(problem: Problem, pattern: str, parameters: list[Parameter], fitted:
     """Say which estimates are at a limit."""
     found = []
     both = {"static_friction", "kinetic_friction"} <= set(problem.names)
-    for p, low, high in zip(parameters, *problem.bounds, strict=True):
+    for p, low, high in zip(parameters, *problem.bounds[:, : problem.asked], strict=True):
         if p.name == "static_friction" and "_" not in pattern:
             continue  # it has no effect, and any value
         within, quantity = TOL.at_limit * (high - low), QUANTITIES[p.name]

@@ -4,14 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Final
 
 from vibro.errors import InputError, VibroError
 from vibro.records.alignment import Observation
 from vibro.records.comparison import Comparison, compare
+from vibro.records.drive_errors import drive_errors
 from vibro.records.fitting import Fit, check_names, fit
 from vibro.records.reading import Record
+from vibro.records.sensors import SensorErrors
 from vibro.records.trough import HopOnset, MeasuredMotion, Speeds, TroughDrive, hop_onset, speeds_of
 from vibro.scene import Scene
+
+_USUAL: Final = SensorErrors()
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +39,8 @@ class Measurement:
         Estimates from these signals.
     mass : float or None
         Mass of the part [kg]; without it friction is per unit mass.
+    errors : SensorErrors
+        Of the sensors, and of a drive that is stated.
     """
 
     record: Record
@@ -44,6 +51,7 @@ class Measurement:
     fit: Fit | None = None
     fitted: Comparison | None = None
     mass: float | None = None
+    errors: SensorErrors = _USUAL
 
     @property
     def motion(self) -> MeasuredMotion | None:
@@ -66,6 +74,7 @@ def measure(
     mass: float | None = None,
     reverse: bool = False,
     absolute: bool = False,
+    errors: SensorErrors = _USUAL,
     progress: Callable[[int, int, str], None] | None = None,
 ) -> Measurement:
     """Measure the trough, and compare and fit the part, as far as a record has their signals.
@@ -86,6 +95,8 @@ def measure(
         Mass of the part [kg].
     reverse, absolute : bool
         As for ``Observation.of``.
+    errors : SensorErrors
+        Those of the sensors, and of a drive that is stated.
     progress : callable, optional
         As for ``fit``.
 
@@ -106,7 +117,7 @@ def measure(
         error = trough.drive.quantities["frequency"].error if trough else 0.0
         seen = Observation.of(
             record, float(scene.frequency), mass=mass, reverse=reverse, clock=clock, absolute=absolute,
-            frequency_error=error,
+            frequency_error=error, lowpass=errors.lowpass,
         )  # fmt: skip
         try:
             comparison = compare(scene, seen)
@@ -115,6 +126,6 @@ def measure(
                 raise
             raise InputError(str(exc), hint="without friction the trough alone is measured") from exc
         if names:
-            found = fit(scene, seen, names, trough.drive.moved if trough else (), progress)
+            found = fit(scene, seen, names, drive_errors(scene, trough, errors), errors, progress)
             fitted = compare(found.scene, seen)
-    return Measurement(record, trough, onset, speeds, comparison, found, fitted, mass)
+    return Measurement(record, trough, onset, speeds, comparison, found, fitted, mass, errors)

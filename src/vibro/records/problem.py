@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import product
@@ -14,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 from scipy.signal import lfilter
+from scipy.special import fdtrc
 
 from vibro.core.codes import Regime, is_answered
 from vibro.drives import Ability
@@ -26,6 +28,7 @@ from vibro.records.alignment import (
     detrended,
     fold,
     independent_samples,
+    low_passed,
     misfits_at_shifts,
     whitening_filter,
 )
@@ -36,6 +39,8 @@ from vibro.steady import slides_of, solve
 
 if TYPE_CHECKING:
     from vibro.reals import Floats
+    from vibro.records.drive_errors import DriveError
+    from vibro.records.sensors import SensorErrors
 
 # ------------------------------------------------------------------------------
 # Steady motions of many scenes, sampled at the times of one record, for searches.
@@ -70,29 +75,38 @@ class _SceneCycles:
     followed: Mapping[int, SettledMotion]
 
     def signals(
-        self, names: Iterable[str], time: Floats, shift: Floats, window: float, *, absolute: bool = False
+        self, observation: Observation, time: Floats, shift: Floats, window: float
     ) -> dict[str, Floats]:
         """Sample signals as ``computed_signals`` does.
 
         Parameters
         ----------
-        names : iterable of str
-            Signals of ``Observation``.
+        observation : Observation
+            Which signals, in which frame, behind which filter.
         time : array, shape (N,)
             Times on the record's clock [s].
         shift : array, shape (M,)
             Trough time at the clock's zero, for each scene [s].
         window : float
             Width of the averages of accelerations and friction [s].
-        absolute : bool
-            Whether to add the trough's motion to those of the body, which are relative to it.
 
         Returns
         -------
         dict of str to array, shape (M, N)
             The signals; those of a body at rest for scenes without a steady cycle.
         """
-        names = list(names)
+
+        def sample(time: Floats, window: float) -> dict[str, Floats]:
+            return self._signals(list(observation.signals), time, 0.0 * shift, window, observation.absolute)
+
+        if math.isfinite(observation.lowpass):
+            period = 1.0 / float(self.fields.frequency[0])
+            return low_passed(sample, time + shift[:, None], period, observation.lowpass)
+        return self._signals(list(observation.signals), time, shift, window, observation.absolute)
+
+    def _signals(
+        self, names: list[str], time: Floats, shift: Floats, window: float, absolute: bool
+    ) -> dict[str, Floats]:
         if self.fields.can(Ability.ONE_HARMONIC):
             result = self._closed_forms(self.fields, names, time, shift, window)
             if absolute:
@@ -231,9 +245,6 @@ def _at(values: Any, place: int) -> Any:
     return tuple(values) if isinstance(values, list) else values
 
 
-#: Fields of a scene that an error of a measured drive changes, one standard error to either side.
-Moves = tuple[Mapping[str, Any], Mapping[str, Any]]
-
 #: Quantities that can be estimated, of a drive along a line or along an ellipse.
 FITTABLE: Final = ("static_friction", "kinetic_friction", *LINEAR, *ELLIPTICAL)
 
@@ -308,24 +319,34 @@ class Problem:
     The offset and the drift that a sensor adds are projected out of the residuals of each signal. Residuals
     count in their standard deviations, as if there were ``count`` independent samples.
 
-    A drive that was measured is known to its errors alone. In every pattern they can move the motion by more
-    than the noise leaves open, mean speed first. So once weighed, sums of squares are the least over these
-    errors too, each of which costs its own square in standard errors: the residuals are shrunk along what
-    the errors do at the point that weighed them.
+    A drive is known to its errors alone, and so is what a sensor on the body makes of its motion: they move
+    the motion by more than the noise leaves open. Amplitudes, angles and phases of the drive are free too,
+    after the quantities that are ``asked``: the patterns change with them, and they cost their squares in
+    standard errors, as residuals at the end. All other errors are small, or their effects are proportional to
+    them: once weighed, sums of squares are the least over these errors, each of which costs its own square.
+    The residuals are shrunk along what they do at the point that weighed them.
     """
 
     def __init__(
-        self, scene: Scene, observation: Observation, names: Sequence[str], moved: Sequence[Moves] = ()
+        self,
+        scene: Scene,
+        observation: Observation,
+        names: Sequence[str],
+        drive: Sequence[DriveError] = (),
+        sensors: SensorErrors | None = None,
     ) -> None:
-        self.observation = observation
-        self.names = tuple(names)
+        self.observation, self.sensors = observation, sensors
         self.fittable = fittable(scene)
         self.fixed = _fields_of(scene)
+        self.asked = len(names)
+        moved = {name for error in drive for name in error.more}
+        varied = [name for name in self.fittable if name in moved and name not in names]
+        self.names = names = (*names, *varied)
         self.bounds = np.array([_tried(name, _BOUNDS[name], self.fixed[name]) for name in names]).T
         if "drive_angle" in names:
             upright = 0.5 * math.pi - self.fixed["trough_angle"] - _BOUNDS["drive_angle"][0]
             self.bounds[1, self.names.index("drive_angle")] = min(_BOUNDS["drive_angle"][1], upright)
-        self.is_curved = bool(set(names) & set(ELLIPTICAL))  # whether valleys of the misfit bend
+        self.is_curved = bool({*names[: self.asked]} & {*ELLIPTICAL})  # whether valleys of the misfit bend
         self._size = float(scene.scale)
         self._phases = np.array([name == "normal_phase" for name in names])
         self.count = 0.0
@@ -333,14 +354,43 @@ class Problem:
         self._filters: dict[str, Floats] = {}
         self._left_out: dict[str, NDArray[np.bool_]] = {}
         self._sensors: dict[str, Floats] = {}
-        free = [[{n: x for n, x in fields.items() if n not in names} for fields in pair] for pair in moved]
-        self._moved = [pair for pair in free if all(pair)]
-        # Directions of the weighted residuals in which errors of the drive move them, and by which share.
+        #: Errors of the quantities that are varied, and what each of them adds to these, (varied, errors).
+        self.varying = [error for error in drive if not {*varied}.isdisjoint(error.more)]
+        self.steps = (
+            np.array([_steps(error, varied) for error in self.varying])
+            .reshape(len(self.varying), len(varied))
+            .T
+        )
+        self._prior = self._weights_of_varied()
+        others = [e._replace(more=_without(e.more, names), less=_without(e.less, names)) for e in drive]
+        self.linear = [error for error in others if error.more]
+        #: What each linear error, and each of the sensors on the body, does to the weighted residuals.
+        self.effects = np.empty((0, 0))
+        #: Names of the errors that ``steps`` and ``effects`` are of.
+        self.errors: list[str] = []
+        # Directions of the weighted residuals in which these move them, and by which share.
         self._directions, self._shrunk = np.empty((0, 0)), np.empty(0)
         for name, values in observation.signals.items():
             folded = observation.folded[name]
             rest = detrended(observation.time, values - folded.periodic(observation.time), folded.trends)
             self._weigh(name, np.ones(values.size), rest)
+
+    def _weights_of_varied(self) -> Floats:
+        """Return what turns deviations of the quantities that are varied into independent standard ones.
+
+        The bounds of these quantities are moved to where none of them can be.
+        """
+        covariance = self.steps @ self.steps.T
+        sizes = np.sqrt(covariance.diagonal())
+        first, own = self.asked, np.array([self.fixed[name] for name in self.names[self.asked :]])
+        for i, name in enumerate(self.names[first:], first):
+            low, high = (own[i - first] + way * TOL.farthest_error * sizes[i - first] for way in (-1.0, 1.0))
+            self.bounds[:, i] = (
+                low if name == "normal_phase" else max(low, 0.0),
+                min(high, self.bounds[1, i]) if name == "drive_angle" else high,
+            )
+        normed = covariance / np.outer(sizes, sizes) + TOL.step * np.eye(sizes.size)
+        return np.asarray(np.linalg.inv(np.linalg.cholesky(normed)) / sizes)
 
     @property
     def own(self) -> Floats:
@@ -381,6 +431,8 @@ class Problem:
         values = self._weighted({name: measured - model[name] for name, measured in signals.items()})
         if self._shrunk.size:
             values -= (values @ self._directions * self._shrunk) @ self._directions.T
+        own = [self.fixed[name] for name in self.names[self.asked :]]
+        values = np.hstack([values, (points[:, self.asked : -1] - own) @ self._prior.T])
         return Residuals(self._within(points, cycles.labels) == label, values)
 
     def _weighted(self, residuals: Mapping[str, Floats]) -> Floats:
@@ -401,8 +453,7 @@ class Problem:
         grid = np.linspace(0.0, 1.0, TOL.rough_shifts + 1)
         unshifted = np.zeros(points.shape[0])
         time = grid * observation.period
-        step, absolute = observation.sample_time, observation.absolute
-        models = cycles.signals(observation.signals, time, unshifted, step, absolute=absolute)
+        models = cycles.signals(observation, time, unshifted, observation.sample_time)
         squares = np.zeros((points.shape[0], TOL.rough_shifts))
         for name, model in models.items():
             model = (model - np.outer(model[:, -1] - model[:, 0], grid))[:, :-1]
@@ -423,35 +474,36 @@ class Problem:
         observation = self.observation
         cycles = scene_cycles(self._fields(point[None]))
         now, after, before = (self._model(cycles, point[None], lag) for lag in (0.0, 0.5, -0.5))
-        drive = self._by_drive(point)
+        effects = self._effects(point, now)
         self.count = 0.0
         for name, measured in observation.signals.items():
             used, slopes = np.ones(measured.size), np.zeros(measured.size)
             used[_beside_a_jump(cycles, name, observation, float(point[-1]))] = 0.0
             if name not in _JUMPING:
                 slopes = used * (after[name][0] - before[name][0]) / observation.sample_time
-            basis = used[:, None] * np.hstack([self._basis(name), drive[name].T])
+            basis = used[:, None] * np.hstack([self._basis(name), effects[name].T])
             residual = used * (measured - now[name][0])
             residual -= basis @ np.linalg.lstsq(basis, residual, rcond=None)[0]
             shape = used / np.sqrt(_variances(observation, residual, slopes**2))
             self._left_out[name] = used == 0.0
             self._filters[name] = whitening_filter(observation.time, shape * residual, observation.frequency)
             self._weigh(name, shape, residual)
-        if self._moved:
-            # With effects E and errors e the least of |r - E e|^2 + |e|^2 over e is |(1 + E E')^(-1/2) r|^2.
-            self._directions, sizes, _ = np.linalg.svd(self._weighted(drive).T, full_matrices=False)
-            self._shrunk = 1.0 - 1.0 / np.sqrt(1.0 + sizes**2)
+        self.effects = self._weighted(effects).T
+        # With effects E and errors e the least of |r - E e|^2 + |e|^2 over e is |(1 + E E')^(-1/2) r|^2.
+        self._directions, sizes, _ = np.linalg.svd(self.effects, full_matrices=False)
+        self._shrunk = 1.0 - 1.0 / np.sqrt(1.0 + sizes**2)
 
-    def _by_drive(self, point: Floats) -> dict[str, Floats]:
-        """Return what one standard error of each part of the drive makes of every signal, (errors, N).
+    def _effects(self, point: Floats, now: Mapping[str, Floats]) -> dict[str, Floats]:
+        """Return what one standard error of each kind makes of every signal, (errors, N).
 
         An error that leads to another pattern on one side, next to an onset, counts by its other side.
+        ``now`` are the signals at the point.
         """
         here = scene_cycles(self._fields(point[None]))
-        now = self._model(here, point[None])
         found: dict[str, list[Floats]] = {name: [] for name in self.observation.signals}
-        for pair in self._moved:
-            sides = [scene_cycles(self._fields(point[None], fields)) for fields in pair]
+        self.errors = [error.name for error in (*self.varying, *self.linear)]
+        for error in self.linear:
+            sides = [scene_cycles(self._fields(point[None], fields)) for fields in (error.more, error.less)]
             inside = [cycles.labels[0] == here.labels[0] for cycles in sides]
             kept = inside if any(inside) else [True, True]
             more, less = (
@@ -460,8 +512,51 @@ class Problem:
             )
             for name, rows in found.items():
                 rows.append((more[name][0] - less[name][0]) / sum(kept))
-        samples = self.observation.time.size
-        return {name: np.reshape(rows, (len(self._moved), samples)) for name, rows in found.items()}
+        nothing = np.zeros(self.observation.time.size)
+        for kind, signal, added in self._by_sensors(point, now):
+            self.errors.append(kind)
+            for name, rows in found.items():
+                rows.append(added if name == signal else nothing)
+        return {name: np.reshape(rows, (-1, nothing.size)) for name, rows in found.items()}
+
+    def _by_sensors(self, point: Floats, now: Mapping[str, Floats]) -> Iterator[tuple[str, str, Floats]]:
+        """Yield errors of the sensors on the body: their names, their signals, and what they add.
+
+        A gain multiplies; a sensor that is turned, or sensitive across its axis, sees the normal motion too.
+        """
+        if self.sensors is None:
+            return
+        time = self.observation.time + point[-1] * self.observation.period
+        across = _normal_motion(self._fields(point[None]), time)
+        for name in self.observation.signals:
+            yield "gain", name, self.sensors.gain * now[name][0]
+            if name in across:
+                yield "tilt", name, self.sensors.tilt * across[name]
+            if name == "acceleration":
+                yield "cross", name, self.sensors.cross * across[name]
+
+    def unexplained(self, label: str, point: Floats) -> list[str]:
+        """Return the signals whose residuals repeat in every cycle, by more than noise does by chance."""
+        values, found = self.residuals(label, point[None]).values[0], []
+        time, frequency = self.observation.time, self.observation.frequency
+        for i, name in enumerate(self.observation.signals):
+            folded = fold(time, values[i * time.size : (i + 1) * time.size], frequency, 1)
+            waves, covariance = folded.coefficients[1:], folded.covariance[1:, 1:]
+            statistic = float(waves @ np.linalg.pinv(covariance, hermitian=True) @ waves) / waves.size
+            if fdtrc(waves.size, max(time.size - waves.size, 1), statistic) < TOL.misfit_by_chance:
+                found.append(name)
+        return found
+
+    def pulled(self, point: Floats) -> Floats:
+        """Return by how many standard errors a point moves the drive, in independent directions."""
+        own = [self.fixed[name] for name in self.names[self.asked :]]
+        return np.asarray(self._prior @ (point[self.asked : -1] - own))
+
+    def without_errors(self) -> Problem:
+        """Return the residuals of the signals alone, where the drive and the sensors are as they are."""
+        plain = copy(self)
+        plain._shrunk, plain._prior = np.empty(0), np.empty((0, self._prior.shape[1]))
+        return plain
 
     def _weigh(self, name: str, shape: Floats, residual: Floats) -> None:
         observation, signal = self.observation, self.observation.signals[name]
@@ -469,7 +564,7 @@ class Problem:
         if name in self._filters:
             scaled = self._whitened(name, scaled)
             count = independent_samples(observation.time, scaled, observation.frequency)
-        freedom = int(np.count_nonzero(scaled)) - _POWERS[name] - len(self.names) - len(self._moved) - 1
+        freedom = int(np.count_nonzero(scaled)) - _POWERS[name] - len(self.names) - len(self.linear) - 1
         # Data may be exact: add the rounding of the signal, and of the trough's motion in the same unit.
         size = self._size * (math.tau * self.fixed["frequency"]) ** _POWERS_OF_RATE[name]
         variance = float(scaled @ scaled) / max(freedom, 1)
@@ -486,7 +581,7 @@ class Problem:
         The first samples, whose predecessors are not known, become 0; samples that do not count stay so.
         """
         own = self._filters.get(name)
-        if own is None or own.size == 1:
+        if own is None or own.size == 1 or not weighted.size:
             return weighted
         filtered = np.asarray(lfilter(own, [1.0], weighted, axis=-1))
         filtered[..., : own.size - 1] = 0.0
@@ -502,8 +597,7 @@ class Problem:
         """Compute the signals at points, delayed by a number of sample times."""
         observation, step = self.observation, self.observation.sample_time
         shift = points[:, -1] * observation.period + lag * step
-        window, absolute = TOL.jump_window * step, observation.absolute
-        return cycles.signals(observation.signals, observation.time, shift, window, absolute=absolute)
+        return cycles.signals(observation, observation.time, shift, TOL.jump_window * step)
 
     def _fields(self, points: Floats, drive: Mapping[str, Any] = _AS_IT_IS) -> dict[str, Any]:
         """Return the fields of the scenes at points, (M, P) or (M, P + 1), clipped to the bounds."""
@@ -519,6 +613,29 @@ class Problem:
         """Empty the labels of points beyond the bounds."""
         values, (low, high) = points[:, : len(self.names)], self.bounds
         return np.where(((low <= values) & (values <= high)).all(axis=1), labels, "")
+
+
+def _without(fields: Mapping[str, Any], names: Sequence[str]) -> dict[str, Any]:
+    return {name: x for name, x in fields.items() if name not in names}
+
+
+def _steps(error: DriveError, names: Sequence[str]) -> list[float]:
+    """Return what a standard error adds to each quantity."""
+    steps = [error.more.get(name, 0.0) - error.less.get(name, 0.0) for name in names]
+    turns = [name == "normal_phase" for name in names]
+    return [0.5 * (math.remainder(x, math.tau) if turn else x) for x, turn in zip(steps, turns, strict=True)]
+
+
+def _normal_motion(fields: Mapping[str, Any], time: Floats) -> dict[str, Floats]:
+    """Return the trough's motion normal to itself at trough times, of a scene of shape (1,)."""
+    motion = settled_motion(Scene(**{name: _at(value, 0) for name, value in fields.items()}))
+    count = 2 * TOL.rough_shifts
+    waves = np.fft.rfft(motion.sample(np.arange(count) * motion.period / count).trough_normal) / count
+    waves[1:] *= 2.0
+    rates = 2j * math.pi * np.arange(waves.size) / motion.period
+    turned = np.exp(np.outer(time, rates))
+    powers = {"displacement": 0, "velocity": 1, "acceleration": 2}
+    return {name: (turned @ (waves * rates**power)).real for name, power in powers.items()}
 
 
 def _variances(observation: Observation, residual: Floats, squared_slopes: Floats) -> Floats:
@@ -588,7 +705,7 @@ def _candidates(problem: Problem) -> Floats:
     own = problem.fixed | dict(zip(problem.names, problem.own.tolist(), strict=True))
     # Take all quantities in their order, so that static friction comes before kinetic friction.
     grids = {name: [own[name]] for name in problem.fittable}
-    grids |= {name: _tried(name, _GRID[name], own[name]) for name in problem.names}
+    grids |= {name: _tried(name, _GRID[name], own[name]) for name in problem.names[: problem.asked]}
     points = np.array([[own[name] for name in grids], *product(*(grids[name] for name in grids))])
     if points.shape[0] > TOL.most_tried:
         kept = np.random.default_rng(1).choice(points.shape[0] - 1, TOL.most_tried, replace=False)

@@ -180,6 +180,7 @@ class _Tolerances(NamedTuple):
     proposed: float = 0.01  # [cycles] drift of a proposed frequency from the data over the record
 
     # --- residuals of a fit ---------------------------------------------------------------------------
+    filtered: int = 1024  # points a cycle at which the model passes through a filter
     jump_window: float = 0.25  # sample times over which the model's jumps are averaged: derivatives exist
     least_scale: float = 1e-3  # of the greatest value that is tried: least size of a quantity
     most_predecessors: int = 8  # samples on which the noise of one may depend,
@@ -209,6 +210,9 @@ class _Tolerances(NamedTuple):
     distances: tuple[float, float, int] = (1e-7, 0.5, 60)  # relative, at which a pattern is searched
     enough: float = 2e-3  # [variances] decrease of the sum of squares below which a search ends,
     rough: float = 1.0  # and a first one
+
+    misfit_by_chance: float = 1e-5  # probability by which noise passes for a misfit that repeats
+    farthest_error: float = 8.0  # standard errors of a drive that are tried
 
     # --- fit ------------------------------------------------------------------------------------------
     confidence: float = 0.95

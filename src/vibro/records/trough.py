@@ -456,16 +456,6 @@ class MeasuredMotion:
         return found
 
     @property
-    def moved(self) -> list[tuple[MeasuredMotion, MeasuredMotion]]:
-        """The same for independent errors, no more than there are numbers that they change."""
-        offs = np.concatenate([self._noise, self._effects])
-        flat = offs.reshape(len(offs), -1)
-        sizes, ways = np.linalg.svd(np.hstack([flat.real, flat.imag]), full_matrices=False)[1:]
-        real, imaginary = np.hsplit(sizes[:, None] * ways, 2)
-        independent = (real + 1j * imaginary).reshape(-1, *self.accelerations.shape)
-        return self._sides(independent, self.frequency_error, self.drive_angle_error)
-
-    @property
     def _noise(self) -> Complexes:
         """What one standard error of each independent noise adds to them, (errors, H, channels) [m/s^2]."""
         order, channels = self.accelerations.shape
@@ -533,12 +523,7 @@ class MeasuredDrive(NamedTuple):
     clock: Estimate
     warnings: Sequence[str] = ()
 
-    @property
-    def moved(self) -> list[tuple[dict[str, Any], dict[str, Any]]]:
-        """Fields of the scene for each independent error, one standard error to either side of it [SI]."""
-        return [(self._fields_of(more), self._fields_of(less)) for more, less in self.motion.moved]
-
-    def _fields_of(self, motion: MeasuredMotion) -> dict[str, Any]:
+    def fields_of(self, motion: MeasuredMotion) -> dict[str, Any]:
         """Return fields of the kind of this drive for another motion."""
         if "along_phase" in self.quantities:
             return {n: float(x) if isinstance(x, np.ndarray) else x for n, x in motion.drive().items()}
