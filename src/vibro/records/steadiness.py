@@ -17,6 +17,7 @@ from scipy.fft import dct
 from scipy.special import chdtrc, fdtrc
 
 from vibro.errors import InputError, argument, shown
+from vibro.records.channels import AXES
 from vibro.records.reading import TOL, Record, doubt, rounded
 
 if TYPE_CHECKING:
@@ -136,7 +137,8 @@ def scale_notes(record: Record, role: str, size: float, frequency: float, other:
         hint = doubt(sensitivity)
     else:
         kind = record.trough_kinds.get(role, "acceleration") if role in record.trough else role
-        typed = argument(role, f"{_bare(header)} [{_SMALL[kind]}]")
+        named = "trough_along" if role in AXES else role  # nobody named the axes of a phone
+        typed = argument(named, f"{_bare(header)} [{_SMALL[kind]}]")
         hint = f"its unit may be wrong: give it with the column, {typed}"
     raise InputError(text, hint=f"{other}{hint}")
 
