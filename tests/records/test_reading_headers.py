@@ -167,6 +167,18 @@ def test_a_rate_stands_for_a_column_of_time(tmp_path: Path, rate: float | str) -
     np.testing.assert_allclose(record.time, [0.0, 0.004, 0.008], rtol=1e-15)
 
 
+@each("typed", ["V", "1 [V]", "Laser [V]"])
+@each("mark", [".", ","])
+def test_a_single_column_needs_no_name(tmp_path: Path, typed: str, mark: str) -> None:
+    """Nor a point: a second number between commas would not begin with zeros."""
+    path = tmp_path / "data.txt"
+    path.write_text("0.50\n-0.25\n0.05\n1.25\n".replace(".", mark), encoding="utf-8")
+    volts = read_sensitivities(["1V/g"])
+    record = read_record(path, {"trough_along": typed}, volts, body=False, rate=10.0)
+    np.testing.assert_allclose(record.trough["trough_along"] / 9.80665, [0.5, -0.25, 0.05, 1.25])
+    np.testing.assert_allclose(record.time, [0.0, 0.1, 0.2, 0.3])
+
+
 def test_a_third_axis_of_the_trough(tmp_path: Path) -> None:
     record = read(tmp_path, "t [s];a [g];b [g]", "1;2", trough_along="a", trough_across="b")
     np.testing.assert_allclose(record.trough["trough_across"], [2 * 9.80665] * 2)

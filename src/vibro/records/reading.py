@@ -1,4 +1,4 @@
-"""Measured records: CSV files with any column names, units, separators and decimals."""
+"""Measured records: which columns of a file are which signals, in SI units over a clock without faults."""
 
 from __future__ import annotations
 
@@ -637,7 +637,7 @@ class Record:
     Attributes
     ----------
     time : float array
-        Strictly ascending [s].
+        Strictly ascending [s]; of times of day and dates, and of times since 1970, from the first row.
     signals : mapping of str to float array
         Relative displacement [m], velocity [m/s], acceleration [m/s^2] and friction [N] at these times, by
         their names in ``SIGNALS``.
@@ -684,9 +684,8 @@ def read_record(
     Parameters
     ----------
     path : Path
-        CSV with a header row; separated by commas, semicolons or tabs, with decimal points or commas,
-        in UTF-8 (with or without a byte order mark), UTF-16 or a Windows code page; or LabVIEW's text, TDMS,
-        UFF58, MAT or WAV.
+        Text of columns as ``texts.text_table`` reads it, in UTF-8 (with or without a byte order mark), UTF-16
+        or a Windows code page; LabVIEW's text, TDMS, UFF58, MAT or WAV.
     columns : mapping of str to str, optional
         Headers by ``"time"`` and the names of ``SIGNALS`` and ``TROUGH``; or the columns' numbers, from 1.
         The unit of the header, in brackets, may be left out; one that is given goes before the file's. If no
