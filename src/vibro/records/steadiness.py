@@ -166,6 +166,9 @@ class Envelope(NamedTuple):
         Departure from the mean in every half cycle: of the amplitude, and of the phase [rad].
     noise : float
         Variance of the mean by noise.
+    swing : float
+        Root mean square of the relative amplitude's departures, without noise; also of those that last a few
+        cycles.
     p_value : float
         Probability that noise departs as far as this, or in one offset as much.
     """
@@ -176,6 +179,7 @@ class Envelope(NamedTuple):
     cycles: float
     off: Complexes
     noise: float
+    swing: float
     p_value: float
 
     @property
@@ -209,7 +213,8 @@ def envelope_of(time: Floats, left: Floats, sizes: Complexes, weights: Floats, f
     off *= count / time.size
     # Components at the offsets j / 2T to both sides: of noise all are as strong as its mean.
     waves = (dct(off.real) + 1j * dct(off.imag)) / (math.sqrt(2.0) * count)
-    powers = abs(waves[1 : max(3, int(2.0 * TOL.band * cycles) + 1)]) ** 2
+    waves = waves[1 : max(3, int(2.0 * TOL.band * cycles) + 1)]
+    powers = abs(waves) ** 2
     slow = [k for k in _SLOW if 2 * k <= powers.size]
     p_values, noise = [], 0.0
     for k in reversed(slow):
@@ -219,12 +224,14 @@ def envelope_of(time: Floats, left: Floats, sizes: Complexes, weights: Floats, f
         ratio = 2.0 * float(powers[:k].sum()) / (noise * (2 * k - 1))
         p_values.append(float(fdtrc(2 * k - 1, max(2.0 * _OF_MEDIAN * others.size, 1.0), ratio)))
     near = powers[: max(2 * slow[-1], int(2.0 * TOL.near_offset * cycles))]
+    swing = float(np.square(waves.real[: near.size]).sum()) - 0.5 * noise * near.size
     if near.size > slow[-1]:
         largest = float(near.max()) / noise
         chance = float(fdtrc(2.0, 2.0 * _OF_MEDIAN * powers.size, largest))
         p_values.append(near.size * chance)
     p_value = min(1.0, len(p_values) * min(p_values))
-    return Envelope(frequency, float(time[0]), span, cycles, off, noise, p_value)
+    rms = math.sqrt(max(0.0, swing))
+    return Envelope(frequency, float(time[0]), span, cycles, off, noise, rms, p_value)
 
 
 class Change(NamedTuple):
@@ -267,8 +274,11 @@ def change_of(envelope: Envelope, size: float, *, is_part: bool = False) -> Chan
     beat = _beat_of(envelope)
     wave = max(0.0, float(np.var(phases)) - spread**2)
     amplitude = math.sqrt(max(0.0, float(np.var(sizes)) - spread**2) + 0.25 * wave**2)
-    if beat:  # faster than the windows
-        swing, amplitude = max(swing, 2.0 * beat[1]), max(amplitude, beat[1] / math.sqrt(2.0))
+    # What is faster than the windows swings like a sine.
+    is_fast = math.sqrt(8.0) * envelope.swing > max(2.0 * swing, TOL.steady_amplitude)
+    if beat or is_fast:
+        swing = max(swing, 2.0 * beat[1] if beat else math.sqrt(8.0) * envelope.swing)
+        amplitude = max(amplitude, envelope.swing)
     if is_part:
         place = np.arange(sizes.size)
         amplitude = max(amplitude, abs(float(np.polyfit(place, sizes, 1)[0])) * sizes.size)
@@ -282,6 +292,8 @@ def change_of(envelope: Envelope, size: float, *, is_part: bool = False) -> Chan
         other = envelope.frequency + beat[0]
         both = f"two drives or machines run, at {envelope.frequency:.4g} and {other:.4g} Hz"
         text = f"the amplitude beats at {abs(beat[0]):.2g} Hz: {both}"
+    elif is_fast:
+        text = f"the amplitude swings by {rounded(100.0 * swing)} % within a few cycles"
     elif turn / TOL.steady_phase > swing / TOL.steady_amplitude:
         text = f"the frequency changes, from {ends[0]:.4g} to {ends[1]:.4g} Hz"
     else:
