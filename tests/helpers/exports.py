@@ -234,6 +234,33 @@ def text_exports() -> list[Export]:
     rows = [*zip(_cells(t, ".5f"), *(_cells(x / 25.4e-6, ".2f") for x in way[1:]), strict=True)]
     typed = "--trough-along", "x", "--trough-normal", "z"
     add("mils", _lines(",", ["Time (s)", "x (mils)", "z (mils)"], rows), typed)
+    mm = ["Time [s]", "ax [mm/s^2]", "az [mm/s^2]"]
+    whole = [*zip(_cells(t, ".5f"), *(_cells(1e3 * x, ",.0f", '"') for x in (ax, az)), strict=True)]
+    add("whole numbers in thousands, times with points", _lines(",", mm, whole), two)
+    german = _lines(";", mm, [[x.strip('"') for x in row] for row in whole]).translate({44: ".", 46: ","})
+    add("whole numbers with points between thousands, times with commas", german, two)
+    rows = [*zip(*(_cells(x, ".6E") for x in (t, ax, az)), strict=True)]
+    fortran = "  t  ax  az\n" + _lines("  ", None, rows).replace("E", "D")
+    add("Fortran, D exponents", fortran, "t [s] | ax [m/s^2] | az [m/s^2]", file="record.dat")
+    text = "Time (s) Acc X (m/s^2) Acc Z (m/s^2)\n" + _lines(" ", None, rows)
+    add(
+        "names of words, units and cells apart by spaces",
+        text,
+        ("--trough-along", "Acc X", *two[2:3], "Acc Z"),
+    )
+    text = _lines(",", ["[s] t", "[m/s^2] ax", "(m/s\u00c2\u00b2) az"], rows)
+    add("units before names, one of UTF-8 read as Latin", text, two)
+    text = _lines(",", ['"# time"', '"ax"', '"az"'], rows).replace("-", "\u2212")
+    add("a quoted comment as header, signs of minus", text, "#time [s] | ax [m/s^2] | az [m/s^2]")
+    text = _lvm("One", t, ax / G, az / G).replace(",", ".").replace("\t", ",").replace("Tab", "Comma")
+    add("LabVIEW .lvm, commas", text.replace("\n", "\r\n"), _LVM, file="record.lvm")
+    fast, gyro = Sampled.at(413.0), [(k / 207.3 + 0.0011, "", "", "0.01") for k in range(410)]
+    rows = [(*row, "") for row in zip(fast.time.tolist(), *_both(fast), strict=True)]
+    merged = [(f"{row[0]:.5f}", *row[1:]) for row in sorted([*rows, *gyro])]
+    add("two sensors, rows of each", _lines(",", [*seconds, "gyro (rad/s)"], merged), two)
+    stamps = [f'"Jan 2, 2031 {x}+01"' for x in clocks]
+    text = _lines(",", ["Time", *seconds[1:]], zip(stamps, *_both(Sampled(t, ax, az)), strict=True))
+    add("dates with names of months, zones of hours", text, ("--time", "Time", *two))
     rows = [*zip(_cells(ax, ".5f"), _cells(az, ".5f"), strict=True)]
     add("no time", _lines(",", seconds[1:], rows), (*two, "--rate", "500"))
     typed = "--trough-along", "1 [V]", "--sensitivity", "100mV/g", "--drive-angle", "25", "--rate", "500"

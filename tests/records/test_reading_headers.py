@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from helpers.cases import each
 
+from vibro.errors import InputError
 from vibro.records.reading import Record, Table, read_record, read_sensitivities, record_of
 
 
@@ -191,3 +192,38 @@ def test_a_table_of_another_format_needs_names_units_and_columns() -> None:
     np.testing.assert_allclose(record.time, [7e-3, 8e-3, 9e-3], rtol=1e-15)
     np.testing.assert_allclose(record.trough["trough_along"], [9.80665, 19.6133, 39.2266], rtol=1e-15)
     assert record.headers == {"time": "Count [ms]", "trough_along": "Acc along [g]"}
+
+
+# --- hints --------------------------------------------------------------------------------------------
+
+
+@each(
+    ("header", "proposed"),
+    [
+        ("Vel along (ips pk)", "Vel along [ips]"),
+        ("Vel along (bananas)", "Vel along [mm/s]"),
+        ("Disp. x (counts)", "Disp. x [mm]"),
+        ("ax (gRMS)", "ax [g]"),
+        ("ax (m per square s)", "ax [m/s^2]"),
+        ("ax", "ax [m/s^2]"),
+    ],
+)
+def test_a_hint_proposes_a_unit_of_the_likely_kind_that_works(
+    tmp_path: Path, header: str, proposed: str
+) -> None:
+    with pytest.raises(InputError) as refused:
+        read(tmp_path, f"time [s];{header}", "1", trough_along=header)
+    assert f'trough_along="{proposed}"' in f"{refused.value.hint}"
+    record = read(tmp_path, f"time [s];{header}", "1", trough_along=proposed)
+    assert "trough_along" in record.believed
+
+
+def test_hints_for_times_that_are_unknown_or_missing_name_the_sampling_rate(tmp_path: Path) -> None:
+    path = tmp_path / "data.csv"
+    for cells in (["10.00.59.000", "10.00.59.002"], ["0", ""]):
+        rows = "\n".join(f"{cell};{i}" for i, cell in enumerate(cells * 20))
+        path.write_text(f"time;ax [g]\n{rows}\n", encoding="utf-8")
+        with pytest.raises(InputError, match=r"rate=.HZ"):
+            read_record(path, {"time": "time [s]", "trough_along": "ax"}, body=False)
+        record = read_record(path, {"trough_along": "ax"}, body=False, rate=500)
+        np.testing.assert_allclose(np.diff(record.time), 0.002)

@@ -50,8 +50,11 @@ def _per_time(suffix: str) -> dict[str, float]:
 SIGNAL_UNITS: Final[Mapping[str, Mapping[str, float]]] = {
     "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "\u00b5s": 1e-6, "ns": 1e-9, "min": 60.0},
     "displacement": _per_time("") | {"mil": 25.4e-6},
-    "velocity": {unit: float(size / 1000) for unit, size in SPEED.sizes.items()} | {"ips": 0.0254},
-    "acceleration": {"m/s^2": 1.0, "g": 9.80665, "mg": 9.80665e-3} | _per_time("/s^2") | {"Gal": 0.01},
+    "velocity": {u: float(size / 1000) for u, size in SPEED.sizes.items()}
+    | {"ips": 0.0254, "mil/s": 25.4e-6},
+    "acceleration": {"m/s^2": 1.0, "g": 9.80665, "mg": 9.80665e-3, "ug": 9.80665e-6}
+    | _per_time("/s^2")
+    | {"Gal": 0.01},
     "force": {"N": 1.0, "mN": 1e-3, "kN": 1e3},
     "voltage": {"V": 1.0, "mV": 1e-3},
 }
@@ -64,10 +67,13 @@ _BY_NAME: Final = {
 _SPELLINGS: Final = tuple(
     (re.compile(spelling), plain)
     for spelling, plain in (
+        ("[\u00c2\u00e2](?=[\u00b2\u00b5\u00b7])|[{}$]", ""),  # of UTF-8 read as Latin, of LaTeX
+        (r"\s+(?:per|pro|par)\s+", "/"),
+        (r"g['\u2019]s", "g"),
         (r"milli[\s-]*(?=g|s|m|v|n)", "m"),
         (r"mi[ck]ro[\s-]*(?=g|s|m|v)", "u"),
         (r"nano[\s-]*(?=s)", "n"),
-        (r"seconds?|sekunden?|secs?|sek", "s"),
+        (r"secondes?|seconds?|sekunden?|segundos?|secondi|secs?|sek", "s"),
         (r"minutes?|minuten?", "min"),
         (r"met(?:er|re)s?", "m"),
         (r"inch(?:es)?", "in"),
@@ -127,6 +133,7 @@ WORDS: Final = {
     )
 }
 _BRACKETS: Final = re.compile(r"(.*?)\s*[\[(](?:in\s+)?([^\])]*)[\])]\s*")
+_BEFORE: Final = re.compile(r"\s*[\[(]([^\])]*)[\])]\s*(\S.*)")  # [g] ax
 _IN: Final = re.compile(r"(.*\S)(?:\s+(?:in|/)|\s*,)\s+(\S.*)", re.IGNORECASE)  # Zeit in s, or Zeit / s
 _OVER: Final = re.compile(r"([^/]*[^/\s])\s*/\s*(\S.*)")  # Zeit/s, v/mm/s
 
@@ -175,6 +182,8 @@ def split_header(text: str) -> tuple[str, str]:
         return parts if signal_unit(parts[1]) is None or _is_quotient(*parts) else (text, "")
     if signal_unit(text):  # m / s is a unit
         return text, ""
+    if (match := _BEFORE.fullmatch(text)) and signal_unit(match[1]):
+        return match[2], match[1]
     if (match := _IN.fullmatch(text)) and signal_unit(match[2].strip()):
         return match[1], match[2].strip()
     match = _OVER.fullmatch(text)
@@ -205,9 +214,11 @@ def _unit_at_end(name: str) -> Unit | None:
 
 
 # Possessive quantifiers: the time for a cell is proportional to its length.
-DECIMAL: Final = re.compile(r"[+-]?+(?:[0-9]++[.,]?+[0-9]*+|[.,][0-9]++)(?:[eE][+-]?+[0-9]++)?+")
+DECIMAL: Final = re.compile(r"[+-]?+(?:[0-9]++[.,]?+[0-9]*+|[.,][0-9]++)(?:[eEdD][+-]?+[0-9]++)?+")
 # What programs write instead of a number: without a value, and after an error.
-NO_VALUE: Final = re.compile(r"[+-]?nan|#?n/?a|null|none|[-?*]+", re.IGNORECASE)
+NO_VALUE: Final = re.compile(
+    r"[+-]?nan|#?n/?a|n\.?a\.|null|none|[-?*]+|[+-]?1\.#(?:qnan|snan|ind)\w*", re.IGNORECASE
+)
 DELETE: Final = "delete those rows, or keep the part before or after them"
 
 

@@ -14,8 +14,9 @@ if TYPE_CHECKING:
 
 #: A time of day, with a date, a part of the day and a zone or without: hours may be missing.
 CLOCK: Final = re.compile(
-    r"(?:([\w./-]{6,24}?)(?:[Tt]|\s+))?(?:([0-9]{1,3}):)?([0-9]{1,2}):([0-9]{1,2})(?:([.,:])([0-9]{1,9}))?"
-    r"\s*(?:([AaPp])\.?[Mm]\.?)?\s*(?:Z|UTC|GMT|[+-][0-9][0-9]:?[0-9][0-9])?"
+    r"(?:([\w./-]{6,24}?|[A-Za-z]{3,9}\.? [0-9]{1,2}[,.] [0-9]{4})(?:[Tt]|\s+))?"
+    r"(?:([0-9]{1,3}):)?([0-9]{1,2}):([0-9]{1,2})(?:([.,:])([0-9]{1,9}))?"
+    r"\s*(?:([AaPp])\.?[Mm]\.?)?\s*(?:Z|UTC|GMT|[+-][0-9][0-9](?::?[0-9][0-9])?)?"
 )
 _DAY, _HOUR = 86400.0, 3600.0
 #: Seconds since 1970 of the years 2001 to 2096, and the units in which programs write them.

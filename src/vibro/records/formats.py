@@ -210,7 +210,7 @@ def lvm_table(path: Path, text: str) -> tuple[str, list[str]]:
     ends = [i for i, line in enumerate(lines) if line.startswith(_END)]
     if len(ends) < 2 or ends[1] + 1 == len(lines):
         raise InputError(f"{path}: a LabVIEW file without the end of its headers, {_END}", hint=_EXPORT)
-    separator = "," if any(line.startswith("Separator\tComma") for line in lines[: ends[0]]) else "\t"
+    separator = "," if any(re.match(r"Separator[\t,]Comma", line) for line in lines[: ends[0]]) else "\t"
     of = {cells[0]: cells for line in lines[ends[0] : ends[1]] if (cells := line.rstrip().split(separator))}
     names, first = lines[ends[1] + 1].split(separator), ends[1] + 2
     last = next((i for i in range(first, len(lines)) if lines[i].startswith(("Channels", _END))), len(lines))

@@ -18,6 +18,7 @@ from vibro.records import clocks
 from vibro.records.channels import (
     AXES,
     CELLS_NAMED,
+    DECIMAL,
     DELETE,
     DERIVATIVES,
     KINDS,
@@ -388,6 +389,10 @@ def _unit(text: str) -> tuple[str, float, bool] | None:
 # Find the columns of a table that hold the signals, by their units or by the names that a user gives.
 
 
+_OF_SIZE: Final = re.compile(r"(\S+?) ?(?:rms|pp|p-p|0-p|pk|peak)(?:\W.*)?", re.IGNORECASE)  # mm/s rms
+_EVENLY: Final = f"give the sampling rate, {argument('rate', 'HZ')}, in place of {argument('time')}"
+
+
 class _Wanted(NamedTuple):
     """Columns that a user names: headers by the keys of ``KINDS``, and the sensitivities of voltages.
 
@@ -475,7 +480,7 @@ def _columns_of(table: Table, wanted: _Wanted) -> _Columns:
             else ""
         )
         problems.append(f"{path}: no column of time found among {_list(headers)}")
-        hints.append(f"{name}give the sampling rate: {argument('rate', '1000')}")
+        hints.append(f"{name}give the sampling rate: {argument('rate', 'HZ')}")
     if not problems and found.keys().isdisjoint((*SIGNALS, *TROUGH) if wanted.body else TROUGH):
         what = "signal found" if wanted.body else "motion of the trough named"
         problems.append(f"{path}: no {what} among {_list(headers)}")
@@ -531,6 +536,8 @@ def _check_use(path: Path, columns: _Columns, wanted: _Wanted) -> None:
 def _named(table: Table, headers: list[Header], role: str, wanted: _Wanted, taken: set[int]) -> _Column:
     """Find the column that a user names; its unit is the one that the user gives, or else in its header."""
     path, key = table.path, wanted.headers[role].strip()
+    if not any(key in h.names for h in headers):
+        key = key.lstrip("#%;!*/ ")  # marks of comments, which are no part of a name
     name, unit_text = split_header(key)
     found = list[Header]()
     for fold in (str, str.casefold):
@@ -542,7 +549,8 @@ def _named(table: Table, headers: list[Header], role: str, wanted: _Wanted, take
         found, unit_text = headers, unit_text or key * (signal_unit(key) is not None)
     kind = KINDS[role]
     if not found:
-        number = argument(role, f"2 [{next(iter(SIGNAL_UNITS[kind]))}]")
+        place = min(len(headers), {"time": 1, "trough_normal": 3, "trough_across": 4}.get(role, 2))
+        number = argument(role, f"{place} [{next(iter(SIGNAL_UNITS[kind]))}]")
         number = f"give its name or its number, with its unit: {number}"
         hint = did_you_mean(key, (h.text for h in headers if h.name)) or number
         missing = f"{path}: no column {shown(key)} for {role}; its columns are {_list(headers)}"
@@ -558,6 +566,11 @@ def _named(table: Table, headers: list[Header], role: str, wanted: _Wanted, take
     unit = signal_unit(typed) if typed else header.unit
     if role == "time":
         unit = _clock_unit(table, header, unit, typed=bool(typed))
+        cells = table.columns[header.place]
+        text = next(filter(None, cells), "") if cells.dtype == object else ""
+        if text and not (DECIMAL.fullmatch(text) or clocks.is_clock(cells)):
+            unknown = f"{path}: column {shown(header.text)} for time: {shown(text)} is no time that is known"
+            raise InputError(unknown, hint=f"write it like 10:00:59.002, or {_EVENLY}")
     if unit is not None and unit[0] in kinds_of(role):
         return _Column(header, *unit, typed=typed)
     column, example = f"{path}: column {shown(header.text)} for {role}", _EXAMPLES.get(kind)
@@ -570,11 +583,17 @@ def _named(table: Table, headers: list[Header], role: str, wanted: _Wanted, take
         own = argument("sensitivity", f"{role.replace('_', '-')}={example}")
         missing = f"{column}: the sensitivity of its sensor is missing"
         raise InputError(missing, hint=f"give a sensitivity of {_a(kind)}: {own}")
-    stated, kinds = typed or header.stated, " or ".join(kinds_of(role))
-    problem = f"{shown(stated)} is no unit of {kinds}" if stated else "it has no unit"
-    usual, units = next(iter(SIGNAL_UNITS[kind])), ", ".join(SIGNAL_UNITS[kind])
-    named = argument(role, f"{_call(header, headers)} [{usual}]")
-    hint = f"write the unit in brackets: {named}; units of {kind} are {units}"
+    stated, kinds = typed or header.stated, kinds_of(role)
+    problem = f"{shown(stated)} is no unit of {' or '.join(kinds)}" if stated else "it has no unit"
+    first = match[1] if (match := _OF_SIZE.fullmatch(stated)) else ""
+    known = unit if (unit := signal_unit(first)) and unit[0] in kinds else None
+    name = header.name.casefold()
+    called = (k for k in kinds if name[:3] == k[:3] or (k in WORDS and WORDS[k].fullmatch(name)))
+    kind = known[0] if known else next(called, kind)
+    example = _EXAMPLES.get(kind)
+    usual, units = first if known else next(iter(SIGNAL_UNITS[kind])), ", ".join(SIGNAL_UNITS[kind])
+    own = argument(role, f"{_call(header, headers)} [{usual}]")
+    hint = f"write the unit in brackets: {own}; units of {kind} are {units}"
     voltage = f", or mV and V with {argument('sensitivity', example)}" if example else ""
     raise InputError(f"{column}: {problem}", hint=hint + voltage)
 
@@ -782,11 +801,14 @@ def _with_values(
         rows = [str(table.row(i)) for i in lost.tolist()]
         named = ", ".join([*rows[:CELLS_NAMED], *(["..."] if len(rows) > CELLS_NAMED else [])])
         return kept, [f"skipped rows without a value: {named} ({lost.size} of {kept.size})"] if rows else []
-    steps = np.diff(values["time"][kept])
+    time = values["time"]
+    steps, timed = np.diff(time[kept]), not np.isnan(time[lost]).any()
     slow = float(np.median(steps)) if steps.size >= TOL.fewest_values else 0.0
-    usual = float(np.median(np.diff(values["time"][~np.isnan(values["time"])]))) if slow > 0.0 else 0.0
-    even = np.count_nonzero(np.abs(steps - slow) <= TOL.even * slow)
-    if slow > max(0.0, (1.0 + TOL.even) * usual) and even >= (1.0 - TOL.skipped) * steps.size:
+    even, gaps = (
+        np.count_nonzero(x)
+        for x in (np.abs(steps - slow) <= TOL.even * slow, steps > (1.0 + TOL.even) * slow)
+    )
+    if slow > 0.0 and timed and even >= (1.0 - TOL.skipped) * steps.size and gaps <= TOL.skipped * lost.size:
         each = "all columns" if len(values) > 2 else "the column"
         return kept, [
             f"{steps.size + 1} of {kept.size} rows hold a value in {each}, {1.0 / slow:.7g} a second"
@@ -799,17 +821,16 @@ def _with_values(
         problems += table.named(header, np.isnan(values[role]), values[role])
     limit = f"at most {100.0 * TOL.skipped:.0f} % are skipped"
     few = f"{table.path}: {lost.size} of {kept.size} rows lack a value: {limit}"
-    raise InputError(*problems, few, hint=DELETE)
+    raise InputError(*problems, few, hint=_EVENLY if np.isnan(time).mean() > TOL.skipped else DELETE)
 
 
 def _check_time(table: Table, chosen: _Columns, time: Floats, kept: NDArray[np.intp]) -> None:
     """Refuse a time that repeats, goes back or jumps; ``kept`` holds the places of its rows in the table."""
     steps = np.diff(time)
     usual = float(np.median(steps)) if steps.size else 0.0
-    evenly = f"or give the sampling rate, {argument('rate', 'HZ')}, in place of {argument('time')}"
     for bad, what, hint in (
         (steps < 0.0, "goes back to", "sort the rows by time, or keep one of the runs"),
-        (steps == 0.0, "repeats", f"keep one row for each time; {evenly}"),
+        (steps == 0.0, "repeats", f"keep one row for each time, or {_EVENLY}"),
         (steps > TOL.gap * usual, "jumps to", "fill the gap, or keep the part before or after it"),
     ):
         places = np.flatnonzero(bad)

@@ -26,6 +26,7 @@ _SEPARATORS: Final = {";": "semicolons", "\t": "tabs", ",": "commas", " ": "spac
 _APART: Final = re.compile(r'"[^"]*"|\S+')
 #: Names of columns apart by spaces, which have them before a unit in brackets too: ``t [s] ax [m/s^2]``.
 _NAMES: Final = re.compile(r'(?:"[^"]*"|[^\s\[("]+)(?:\s*(?:\[[^\]]*\]|\([^)]*\)))?')
+_WORDY: Final = re.compile(r"[^\[(]+(?:\[[^\]]*\]|\([^)]*\))")  # Acc X [g] Acc Z [g]
 _COMMENT: Final = re.compile(r"^\s*(?:[#%;!*]+|//+)\s*")
 _UNIT: Final = re.compile(r"\[(.*)\]|\((.*)\)|([^\[\]]{1,12})")  # a cell that holds nothing else
 _OTHER_UNIT: Final = re.compile(r"°[CF]?|%|k?Hz|rpm|deg(?:/s)?|rad(?:/s)?|[kM]?Pa|bar|m?A|k?W|kg|Nm|K|dB")
@@ -40,10 +41,18 @@ _THOUSANDS: Final = {
     mark: re.compile(rf"{_BEFORE}{_GROUP}(?:\{mark}[0-9]{{3}})+(?:\{mark}[0-9]{{3}}|\{other}[0-9])")
     for mark, other in ((",", "."), (".", ","))
 }
-_MAYBE_THOUSANDS: Final = re.compile(rf"{_BEFORE}{_GROUP},[0-9]{{3}}(?![0-9.,])")
-_DECIMALS: Final = re.compile(
-    rf"{_BEFORE}(?:0[0-9]*,[0-9]|[0-9]{{4,}},[0-9]|[0-9]*,(?:[0-9]{{1,2}}|[0-9]{{4,}})(?![0-9]))"
-)
+# A mark that may stand between thousands, and one that cannot.
+_MAYBE_THOUSANDS: Final = {
+    mark: re.compile(rf"{_BEFORE}{_GROUP}\{mark}[0-9]{{3}}(?![0-9.,eE])") for mark in _THOUSANDS
+}
+_DECIMALS: Final = {
+    mark: re.compile(
+        rf"{_BEFORE}(?:(?:0[0-9]*|[0-9]{{4,}})\{mark}[0-9]"
+        rf"|[0-9]*\{mark}(?:[0-9]{{1,2}}(?![0-9])|[0-9]{{4}}|[0-9]+[eE]))(?![0-9]*[.,][0-9])"
+    )
+    for mark in _THOUSANDS
+}
+_FORTRAN: Final = re.compile("(?<=[0-9.])[dD](?=[+-]?[0-9])")  # 1.5D+03
 _MISSING: Final = [
     written
     for text in ("", "NaN", "+NaN", "-NaN", "N/A", "#N/A", "NA", "None", "null", "-", "--", "?", "*", "***")
@@ -133,7 +142,7 @@ def text_table(path: Path) -> Table:
     if text.startswith("LabVIEW Measurement"):
         text, left_out = lvm_table(path, text)
         notes += left_out
-    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    lines = text.replace("\u2212", "-").replace("\r\n", "\n").replace("\r", "\n").split("\n")
     filled = [i for i, line in enumerate(lines) if line and not line.isspace()]
     middle = len(filled) // 2
     layout = _layout([lines[i] for i in filled[middle : middle + _LOOKED_AT]]) if filled else None
@@ -177,13 +186,15 @@ def _with_sure_commas(
     named = len(_cells(_COMMENT.sub("", above[-1][1]), ",")) if above else 0
     if layout.separator != "," or width % 2 or not whole or named >= width:
         return layout
-    if width == 2 and (named == 1 or any(re.fullmatch(r"0[0-9]+", row[1]) for row in rows if len(row) > 1)):
+    decimal = any(row[0] == "-0" or re.fullmatch("0[0-9]+", row[1]) for row in rows if len(row) > 1)
+    if width == 2 and (named == 1 or decimal):
         return _Layout("", 1, 1, [0])
     doubt = (
         f"{path}: row {data[0][0] + 1}, {shown(data[0][1].strip())}: commas may be decimal, or between cells"
     )
     names = ",".join("abcdefgh"[:width]) if width <= 8 else "a,b,..."
-    hint = f"put semicolons between the cells; or name {width} columns in a row above: {names}"
+    one = "one column in a row above, a, or " if width == 2 else ""
+    hint = f"put semicolons between the cells; or name {one}{width} columns in a row above: {names}"
     raise InputError(doubt, hint=hint)
 
 
@@ -193,11 +204,12 @@ def _names_in(line: str, layout: _Layout) -> list[str]:
         marks = (layout.separator, ";", "\t", ",") if layout.separator != " " else (";", "\t", ",")
         words = [word.replace('"', "") for word in _NAMES.findall(text)]
         parted = [_cells(text, mark) for mark in marks]
-        for cells in (*parted, re.split(r"\s{2,}", text.strip()), words, _cells(text, " ")):
+        wordy = [*map(str.strip, _WORDY.findall(text))]
+        for cells in (*parted, re.split(r"\s{2,}", text.strip()), words, wordy, _cells(text, " ")):
             while len(cells) > layout.width and not cells[-1]:
                 cells.pop()
             if layout.width <= len(cells) <= layout.most and any(cells):
-                return cells
+                return [_COMMENT.sub("", cells[0]), *cells[1:]]
     return []
 
 
@@ -250,7 +262,7 @@ def _columns(
     body = "\n".join(own)
     if '"' in body:
         body, separator = "\n".join(["\t".join(layout.cells(line)) for line in own]), "\t"
-    body, decimals = _with_decimal_points(path, body, separator, data)
+    body, decimals = _with_decimal_points(path, _FORTRAN.sub("e", body), separator, data)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", pd.errors.ParserWarning)  # of cells that would be left out
@@ -282,10 +294,12 @@ def _with_decimal_points(path: Path, body: str, separator: str, data: list[int])
         body = _SPACES.sub("", body)
     if "," not in body or separator == ",":
         return body, ""
-    mark = next((mark for mark, pattern in _THOUSANDS.items() if pattern.search(body)), "")
+    maybe, sure = ({m for m, p in kinds.items() if p.search(body)} for kinds in (_MAYBE_THOUSANDS, _DECIMALS))
+    marks = [mark for mark, pattern in _THOUSANDS.items() if pattern.search(body)]
+    mark = next(iter(marks or (sorted(maybe - sure) if sure else [])), "")
     if mark:
         body = re.sub(rf"(?<=[0-9])\{mark}(?=[0-9]{{3}}(?![0-9]))", "", body)
-    elif (doubtful := _MAYBE_THOUSANDS.search(body)) and not _DECIMALS.search(body):
+    elif (doubtful := _MAYBE_THOUSANDS[","].search(body)) and "," not in sure:
         row, text = data[body.count("\n", 0, doubtful.start())] + 1, doubtful[0]
         plain = f"{text.replace(',', '.')} or {text.replace(',', '')}"
         raise InputError(f"{path}: row {row}: {text} may be {plain}", hint="write decimal points")
