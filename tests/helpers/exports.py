@@ -235,9 +235,9 @@ def text_exports() -> list[Export]:
     typed = "--trough-along", "x", "--trough-normal", "z"
     add("mils", _lines(",", ["Time (s)", "x (mils)", "z (mils)"], rows), typed)
     mm = ["Time [s]", "ax [mm/s^2]", "az [mm/s^2]"]
-    whole = [*zip(_cells(t, ".5f"), *(_cells(1e3 * x, ",.0f", '"') for x in (ax, az)), strict=True)]
-    add("whole numbers in thousands, times with points", _lines(",", mm, whole), two)
-    german = _lines(";", mm, [[x.strip('"') for x in row] for row in whole]).translate({44: ".", 46: ","})
+    in_mm = [*zip(_cells(t, ".5f"), *(_cells(1e3 * x, ",.0f", '"') for x in (ax, az)), strict=True)]
+    add("whole numbers in thousands, times with points", _lines(",", mm, in_mm), two)
+    german = _lines(";", mm, [[x.strip('"') for x in row] for row in in_mm]).translate({44: ".", 46: ","})
     add("whole numbers with points between thousands, times with commas", german, two)
     rows = [*zip(*(_cells(x, ".6E") for x in (t, ax, az)), strict=True)]
     fortran = "  t  ax  az\n" + _lines("  ", None, rows).replace("E", "D")

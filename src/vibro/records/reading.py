@@ -472,7 +472,7 @@ def _columns_of(table: Table, wanted: _Wanted) -> _Columns:
             hints += [exc.raw[1]]
     taken = {column.header.place for column in found.values()}
     if not problems and clock and "time" not in found:
-        free = [h for h in headers if h.place not in taken and h.unit is None]
+        free = [h for h in headers if h.place not in taken and h.unit is None and _ascends(table, h)]
         free.sort(key=lambda h: WORDS["time"].fullmatch(h.name) is None)
         name = (
             f"name it, with its unit: {argument('time', f'{_call(free[0], headers)} [s]')}; or "
@@ -489,6 +489,14 @@ def _columns_of(table: Table, wanted: _Wanted) -> _Columns:
         raise InputError(*problems, hint="\n".join(dict.fromkeys(filter(None, hints))))
     _check_use(path, found, wanted)
     return {role: found[role] for role in KINDS if role in found}
+
+
+def _ascends(table: Table, header: Header) -> bool:
+    """Whether a column may be a time: it ascends, and does not count the rows."""
+    cells = table.columns[header.place]
+    steps = np.diff(cells) if cells.dtype != object else np.zeros(1)
+    timely = WORDS["time"].fullmatch(header.name) is not None
+    return timely or bool(np.all(steps > 0.0) and not np.all(steps == 1.0))
 
 
 def _call(header: Header, headers: Sequence[Header]) -> str:

@@ -295,8 +295,8 @@ def _with_decimal_points(path: Path, body: str, separator: str, data: list[int])
     if "," not in body or separator == ",":
         return body, ""
     maybe, sure = ({m for m, p in kinds.items() if p.search(body)} for kinds in (_MAYBE_THOUSANDS, _DECIMALS))
-    marks = [mark for mark, pattern in _THOUSANDS.items() if pattern.search(body)]
-    mark = next(iter(marks or (sorted(maybe - sure) if sure else [])), "")
+    found = [mark for mark, pattern in _THOUSANDS.items() if pattern.search(body)]
+    mark = next(iter(found or (sorted(maybe - sure) if sure else [])), "")
     if mark:
         body = re.sub(rf"(?<=[0-9])\{mark}(?=[0-9]{{3}}(?![0-9]))", "", body)
     elif (doubtful := _MAYBE_THOUSANDS[","].search(body)) and "," not in sure:
