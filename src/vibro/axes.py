@@ -288,7 +288,8 @@ def drive_axis_of(
         spec = read(value, meant)
     except InputError as exc:
         is_size = meant.name in ("amplitude", "stroke")
-        more = "; of its acceleration g or m/s^2, of its speed mm/s" if is_size and _UNITS in exc.hint else ""
+        rates = "; of its acceleration g or m/s^2, of its speed mm/s; from peak to peak it is the stroke"
+        more = rates if is_size and _UNITS in exc.hint else ""
         raise InputError(*exc.problems, hint=exc.hint + more) from None
     return spec.halved(meant) if quantity.name == "stroke" and meant is not quantity else spec
 

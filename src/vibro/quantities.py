@@ -623,8 +623,9 @@ def quantity_meant(texts: Iterable[str], quantity: Quantity) -> Quantity:
         units = {_AROUND_PER.sub("/", match[2] or "").casefold() for match in matches}
         rates = (QUANTITIES[name] for name in RATES)
         other = next((q for q in rates if not units.isdisjoint(q.kind.ratios)), None)
-        if quantity.name == "stroke" and any(unit.endswith("rms") for unit in units):
-            problem = f"stroke = {shown(text)}: a value from peak to peak is no rms value"
+        if quantity.name == "stroke" and any(unit.endswith((" rms", " peak")) for unit in units):
+            way = "rms" if any(unit.endswith("rms") for unit in units) else "peak"
+            problem = f"stroke = {shown(text)}: a value from peak to peak is no {way} value"
             raise InputError(problem, hint="give it as the amplitude, not the stroke")
         if other is not None:
             if "" in units and units != {"", other.unit}:

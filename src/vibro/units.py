@@ -40,8 +40,10 @@ class Kind:
 
     @property
     def units(self) -> dict[str, Fraction]:
-        """Every unit that a number may carry, with those of rms values."""
-        return {**self.sizes, **{f"{u} rms": _RMS * size for u, size in self.sizes.items() if self.of_sine}}
+        """Every unit that a number may carry, with those of rms and of peak values of a sine."""
+        ways = {"rms": _RMS, "peak": Fraction(1)} if self.of_sine else {}
+        named = {f"{u} {way}": by * size for way, by in ways.items() for u, size in self.sizes.items()}
+        return {**self.sizes, **named}
 
     @cached_property
     def ratios(self) -> dict[str, tuple[int, int]]:

@@ -39,15 +39,26 @@ HOPS = STANDARD_GRAVITY / math.sin(math.radians(20)) / G
     value=st.floats(1e-3, 1e3),
     frequency=st.floats(1.0, 500.0),
     unit=st.sampled_from([*UNITS]),
-    way=st.sampled_from(["", "rms", "stroke"]),
+    way=st.sampled_from(["", "rms", "peak", "stroke"]),
 )
 def test_the_amplitude_follows_from_any_unit(value: float, frequency: float, unit: str, way: str) -> None:
     size, order = UNITS[unit]
-    factor = {"": 1.0, "rms": math.sqrt(2.0), "stroke": 0.5}[way]
+    factor = {"": 1.0, "peak": 1.0, "rms": math.sqrt(2.0), "stroke": 0.5}[way]
     key, text = ("stroke_mm", unit) if way == "stroke" else ("amplitude_mm", f"{unit} {way}".rstrip())
     request = request_of_call(None, {key: f"{value!r}{text}", "frequency_hz": frequency, **NUT})
     wanted = factor * value * size / (2.0 * math.pi * frequency) ** order
     assert float(vars(request.scene())["amplitude"]) == pytest.approx(wanted, rel=1e-15, abs=0.0)
+
+
+def test_a_file_with_a_column_of_maps_as_key_is_told_what_to_write(run: Run) -> None:
+    rest = "frequency_hz = 20\n" + "".join(f"{key} = {value}\n" for key, value in NUT.items())
+    for key, text in {"acceleration_g": "1.5g", "amplitude_g": "1.5g", "drive_speed_mm_s": "1.5mm/s"}.items():
+        Path("scene.toml").write_text(f"[scene]\n{key} = 4\n{rest}", encoding="utf-8")
+        result = run("solve", "scene.toml")
+        assert result.exit_code == 2
+        assert f'write amplitude_mm = "{text}", with your number' in result.stderr
+        Path("scene.toml").write_text(f'[scene]\namplitude_mm = "{text}"\n{rest}', encoding="utf-8")
+        assert run("solve", "scene.toml").exit_code == 0
 
 
 def test_a_stroke_in_g_is_the_amplitude_of_half_of_it(run: Run) -> None:

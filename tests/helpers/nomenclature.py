@@ -33,8 +33,8 @@ Options, axes of scene files and arguments of `vibro.sweep` take numbers with th
 letters are the same; `um` may be written with either micro sign. Frictions and the restitution are pure
 numbers. The amplitude of a line may have the unit of its largest acceleration or speed, from which it follows
 at the frequency: `-A 4g` (of 9.80665 m/s², whatever the gravity of the scene), `-A 110mm/s`; with `rms` after
-the unit it is the rms value of the sine: `"110mm/s rms"`, `"0.7mm rms"`. `--stroke 4g` is from peak to peak,
-an amplitude of 2 g."""
+the unit it is the rms value of the sine: `"110mm/s rms"`, `"0.7mm rms"`; `peak` changes nothing.
+`--stroke 4g` is from peak to peak, an amplitude of 2 g."""
 STATUSES = """\
 Every cell has one status. [Chapter 7 of the theory](../theory/07-special-cases.md) says when each occurs."""
 EXIT_CODES = """\

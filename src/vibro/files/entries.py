@@ -16,7 +16,7 @@ import numpy as np
 from vibro.axes import drive_axis_of, one_value_of, parse_axis
 from vibro.drives import LEAST_SAMPLES, MOST_PIECES
 from vibro.errors import MOST_LISTED, InputError, Problems, did_you_mean, shown
-from vibro.quantities import MOST_HARMONICS, QUANTITIES, STANDS_FOR, SWEPT, exact_number
+from vibro.quantities import MOST_HARMONICS, QUANTITIES, RATES, STANDS_FOR, SWEPT, exact_number
 from vibro.reals import real_number
 from vibro.units import ACCELERATION, ANGLE, FREQUENCY, LENGTH, PURE
 
@@ -242,6 +242,9 @@ def refuse_unknown(
 def _in_unit(word: object, known: Sequence[str]) -> str:
     """Say how to give a quantity in the unit of an unknown key, such as ``amplitude_m``."""
     name, _, unit = word.rpartition("_") if isinstance(word, str) else ("", "", "")
+    for rate in map(QUANTITIES.__getitem__, RATES):
+        if word in (rate.column, f"amplitude{rate.kind.suffix}") and (own := "amplitude_mm") in known:
+            return f'write {own} = "1.5{rate.unit}", with your number'
     quantity = QUANTITIES.get(name)
     if quantity is None or quantity.column not in known or unit.casefold() not in quantity.kind.ratios:
         return ""
