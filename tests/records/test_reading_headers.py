@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 from helpers.cases import each
 
+from vibro import measured_motion
 from vibro.errors import InputError
 from vibro.records.reading import Record, Table, read_record, read_sensitivities, record_of
 
@@ -216,6 +218,18 @@ def test_a_hint_proposes_a_unit_of_the_likely_kind_that_works(
     assert f'trough_along="{proposed}"' in f"{refused.value.hint}"
     record = read(tmp_path, f"time [s];{header}", "1", trough_along=proposed)
     assert "trough_along" in record.believed
+
+
+@each("frequency", [None, 25.0])
+def test_milliseconds_as_seconds_are_no_aliasing(tmp_path: Path, frequency: float | None) -> None:
+    path = tmp_path / "data.csv"
+    rows = "\n".join(f"{2 * i},{20.0 * np.sin(0.1 * np.pi * i + 0.7):.5f}" for i in range(1000))
+    path.write_text(f"Time (s),ax (m/s^2)\n{rows}\n", encoding="utf-8")
+    call = partial(measured_motion, path, trough_along="ax", drive_angle=0.0, frequency=frequency)
+    with pytest.raises(InputError) as refused:
+        call()
+    assert f"{refused.value.hint}" == 'the time may be in ms: time="Time [ms]"'
+    assert call(time="Time [ms]").frequency == pytest.approx(25.0, rel=1e-6)
 
 
 def test_hints_for_times_that_are_unknown_or_missing_name_the_sampling_rate(tmp_path: Path) -> None:

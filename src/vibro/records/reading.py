@@ -129,6 +129,7 @@ class _Tolerances(NamedTuple):
     lowest_frequency: float = 0.5  # [Hz] below it a clock in ms is the likely cause,
     most_frequency: float = 1000.0  # [Hz] above it, one in s
     slow_drive: float = 5.0  # [Hz] hardly a drive is slower: a lower frequency may be another one's
+    slowest_rate: float = 5.0  # [Hz] nobody samples vibration more slowly: the unit of the time is wrong
     hides_drives: float = 250.0  # [Hz] a lower sampling rate is told with the drives that look the same,
     highest_drive: float = 200.0  # [Hz] up to this frequency,
     drives_named: int = 4  # of them so many

@@ -861,7 +861,8 @@ def _motion_in(
     cause = f"{same}: give the frequency of the drive, {argument('frequency', '50')}; or " if same else ""
     notes = []
     for channel, size in zip(signals, seen, strict=True):
-        notes += scale_notes(record, channel, size, frequency, cause)
+        believable = frequency if rate >= TOL.slowest_rate else apparent(frequency, rate)
+        notes += scale_notes(record, channel, size, believable, cause)
     if count == 1:
         notes.append(f"{rate / frequency:.3g} samples a cycle show the first harmonic alone")
     if not down:
@@ -947,7 +948,7 @@ def _sampling_doubts(motion: MeasuredMotion, rate: float) -> list[str]:
 def _same_drives(motion: MeasuredMotion, rate: float) -> str:
     """Name drives above half a low sampling rate that would look the same; empty if there are none."""
     others = folding_onto(motion.frequency, rate, TOL.highest_drive) if rate < TOL.hides_drives else []
-    if not others:
+    if not others or rate < TOL.slowest_rate:
         return ""
     size = 1e3 * float(np.linalg.norm([motion.along[0], motion.normal[0]])) * motion.frequency**2
     same = [f"{x:.4g} Hz ({size / x**2:.2g} mm)" for x in others[: TOL.drives_named]]
