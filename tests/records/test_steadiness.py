@@ -118,6 +118,34 @@ def test_what_is_not_steady_is_named() -> None:
             one(time, values, 25.0)
 
 
+def test_reasons_are_the_right_ones() -> None:
+    """What goes to and fro neither rises nor falls, and a slow rise in a clean record is no wave alone."""
+    time = times(4.0, 500.0)
+    turns = 25.0 * time + 0.1 * np.cos(math.tau * 0.75 * time)
+    refused = {
+        r"rises from 0\.08\d+ to 0\.98\d* mm": (time, wave(time, size=24.674 * (1.0 - np.exp(-time)))),
+        r"varies between 0\.9\d+ and 1\.0\d+ mm": (
+            time, wave(time, size=24.674 * (1.0 + 0.1 * np.sin(math.tau * 2.0 * time))),
+        ),
+        r"frequency changes, between 24\.\d+ and 25\.\d+ Hz": (time, 25.0 * np.sin(math.tau * turns)),
+    }  # fmt: skip
+    few = times(0.24, 500.0)  # six cycles
+    refused["rises from"] = few, wave(few, size=24.674 * (1.0 - np.exp(-few / 0.07)))
+    many = times(10.0, 201.0)  # harmonic 5 is shown beside the first
+    folds = wave(many, 50.0) + wave(many, 250.0, 7.5)
+    refused["201 samples a second show harmonic 5 at 49 Hz: sample at another rate"] = many, folds
+    for text, (at, values) in refused.items():
+        with pytest.raises(InputError, match=text):
+            one(at, values)
+    mains = times(10.0, 60.0)
+    with pytest.raises(InputError, match="60 Hz is too near to a multiple of 60 samples a second"):
+        one(mains, wave(mains, 60.0), 60.0)
+    slower = times(10.0, 119.9)
+    with pytest.raises(InputError, match="no wave stands out") as error:
+        one(slower, wave(slower, 60.0))
+    assert "above 57.1 Hz must be given" in str(error.value.hint)
+
+
 def test_errors_include_a_small_drift() -> None:
     """Of 3.8 %, 33 standard errors: its root mean square is 1.1 %."""
     time = times(8.0, 500.0)

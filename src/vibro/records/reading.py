@@ -166,6 +166,7 @@ class _Tolerances(NamedTuple):
     monotonic: float = 0.7  # of a swing, that the amplitude rises or falls from the first to the last window
     courses: tuple[int, ...] = (24, 12, 6)  # parts of a record in which a frequency is sought that changes,
     least_course: int = 24  # of so many rows at least
+    folded_harmonics: int = 8  # that may be shown beside the first one, where samples are few
     standing: float = 0.3  # of the largest amplitude: with less a phase is not known
     least_windows: int = 5  # of a part that is steady where the record is not,
     least_part: float = 0.2  # and its share of the record

@@ -117,6 +117,7 @@ def read_sensor_errors(text: str) -> SensorErrors:
 EXACT: Final = SensorErrors(0.0, 0.0, 0.0, 0.0, 0.0, angle=0.0, amplitude=0.0)
 _MOST_OFF: Final = math.radians(60.0)  # by which an axis may be off the one that it is named for
 _SIGMAS: Final = 3.0  # standard errors beyond which a turn that is stated is questioned, by gravity
+_LEVEL: Final = math.radians(0.5)  # at least, as no trough is more level;
 _IS_G: Final = 5.0  # standard errors by which the mean of a record may differ from gravity,
 _NEAR_G: Final = 0.01  # at least, of gravity;
 _MAYBE_G: Final = 0.5  # of gravity, by which it may differ to be questioned
@@ -258,7 +259,7 @@ def place(
     if shows_gravity and not by_gravity:
         seen = turn(placed(0.0 * changes[0], by_gravity=True)[1])
         most = math.hypot(errors.tilt, errors.offset / _STANDARD_GRAVITY, errors.cross)
-        if abs(seen - turn(axes)) > _SIGMAS * most:
+        if abs(seen - turn(axes)) > max(_SIGMAS * most, _LEVEL):
             at, said = (f"{math.degrees(x):.1f} deg" for x in (seen, turn(axes)))
             warnings.append(f"by gravity in the record the sensor is turned by {at}, not by {said}")
     elif not shows_gravity and abs(ratio - 1.0) <= _MAYBE_G:

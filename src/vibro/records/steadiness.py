@@ -160,6 +160,8 @@ class Envelope(NamedTuple):
         Its frequency [Hz].
     start, span : float
         Beginning and length of the record [s].
+    rate : float
+        Sampling rate [Hz].
     cycles : float
         Cycles that can be told apart: those of the apparent frequency.
     off : complex array
@@ -176,6 +178,7 @@ class Envelope(NamedTuple):
     frequency: float
     start: float
     span: float
+    rate: float
     cycles: float
     off: Complexes
     noise: float
@@ -204,7 +207,8 @@ def envelope_of(time: Floats, left: Floats, sizes: Complexes, weights: Floats, f
         Its frequency [Hz].
     """
     span = float(np.ptp(time))
-    cycles = span * room_of(frequency, rate_of(time))
+    rate = rate_of(time)
+    cycles = span * room_of(frequency, rate)
     own = 2j * (left @ (weights * sizes.conj())) / float(abs(sizes) ** 2 @ weights)
     own = own * np.exp(-1j * math.tau * frequency * time)
     count = max(4, min(int(2.0 * cycles), time.size // 2))
@@ -213,7 +217,8 @@ def envelope_of(time: Floats, left: Floats, sizes: Complexes, weights: Floats, f
     off *= count / time.size
     # Components at the offsets j / 2T to both sides: of noise all are as strong as its mean.
     waves = (dct(off.real) + 1j * dct(off.imag)) / (math.sqrt(2.0) * count)
-    waves = waves[1 : max(3, int(2.0 * TOL.band * cycles) + 1)]
+    end = max(3, int(2.0 * TOL.band * cycles) + 1)
+    far, waves = abs(waves[end:]) ** 2, waves[1:end]
     powers = abs(waves) ** 2
     slow = [k for k in _SLOW if 2 * k <= powers.size]
     p_values, noise = [], 0.0
@@ -223,6 +228,13 @@ def envelope_of(time: Floats, left: Floats, sizes: Complexes, weights: Floats, f
         # The frequency of least squares leaves the phase no slope: one real component less.
         ratio = 2.0 * float(powers[:k].sum()) / (noise * (2 * k - 1))
         p_values.append(float(fdtrc(2 * k - 1, max(2.0 * _OF_MEDIAN * others.size, 1.0), ratio)))
+    if slow[-1] < _SLOW[-1] and far.size > 2 * slow[-1] and powers[0] > powers[1:].sum():
+        # In few cycles a run-up, unlike another machine, fills all that is near: noise is farther off.
+        apart, degrees = float(np.median(far)) / _MEDIAN + TOL.rounding**2, 2 * slow[-1] - 1
+        ratio = 2.0 * float(powers[: slow[-1]].sum()) / (apart * degrees)
+        p_far = float(fdtrc(degrees, 2.0 * _OF_MEDIAN * far.size, ratio))
+        if p_far < min(p_values):
+            p_values, noise = [*p_values, p_far], min(noise, apart)
     near = powers[: max(2 * slow[-1], int(2.0 * TOL.near_offset * cycles))]
     swing = float(np.square(waves.real[: near.size]).sum()) - 0.5 * noise * near.size
     if near.size > slow[-1]:
@@ -231,7 +243,7 @@ def envelope_of(time: Floats, left: Floats, sizes: Complexes, weights: Floats, f
         p_values.append(near.size * chance)
     p_value = min(1.0, len(p_values) * min(p_values))
     rms = math.sqrt(max(0.0, swing))
-    return Envelope(frequency, float(time[0]), span, cycles, off, noise, rms, p_value)
+    return Envelope(frequency, float(time[0]), span, rate, cycles, off, noise, rms, p_value)
 
 
 class Change(NamedTuple):
@@ -291,11 +303,16 @@ def change_of(envelope: Envelope, size: float, *, is_part: bool = False) -> Chan
     if beat:
         other = envelope.frequency + beat[0]
         both = f"two drives or machines run, at {envelope.frequency:.4g} and {other:.4g} Hz"
+        rate, least = envelope.rate, 1.0 / envelope.span
+        for k in range(2, TOL.folded_harmonics + 1):
+            if abs(apparent(k * envelope.frequency, rate) - apparent(other, rate)) < least:
+                both = f"{rate:.5g} samples a second show harmonic {k} at {other:.4g} Hz"
+                both += ": sample at another rate"
         text = f"the amplitude beats at {abs(beat[0]):.2g} Hz: {both}"
+    elif turn / TOL.steady_phase > swing / TOL.steady_amplitude:
+        text = f"the frequency changes, {ends}"
     elif is_fast:
         text = f"the amplitude swings by {rounded(100.0 * swing)} % within a few cycles"
-    elif turn / TOL.steady_phase > swing / TOL.steady_amplitude:
-        text = f"the frequency changes, from {ends[0]:.4g} to {ends[1]:.4g} Hz"
     else:
         text = f"the amplitude {_course(sizes, mm)} ({rounded(100.0 * float(np.ptp(sizes) / sizes.max()))} %)"
     is_large = swing > TOL.steady_amplitude or turn > TOL.steady_phase
@@ -313,20 +330,24 @@ def _level(phases: Floats) -> Floats:
 def _course(sizes: Floats, mm: Callable[[float], str]) -> str:
     """Say how an amplitude goes."""
     first, last, least, most = float(sizes[0]), float(sizes[-1]), float(sizes.min()), float(sizes.max())
-    if abs(last - first) > TOL.monotonic * (most - least):
+    turns = np.count_nonzero(np.diff(sizes > 0.5 * (least + most)))
+    if turns == 1 and abs(last - first) > TOL.monotonic * (most - least):
         return f"{'rises' if last > first else 'falls'} from {mm(first)} to {mm(last)} mm"
-    if max(first, last) < TOL.monotonic * most:
+    if turns == 2 and max(first, last) < TOL.monotonic * most:
         return f"rises from {mm(first)} to {mm(most)} mm and falls to {mm(last)} mm"
     return f"varies between {mm(least)} and {mm(most)} mm"
 
 
-def _frequencies(envelope: Envelope, phases: Floats) -> tuple[float, float]:
-    """Return the frequencies at the beginning and at the end of a record [Hz]."""
+def _frequencies(envelope: Envelope, phases: Floats) -> str:
+    """Say how a frequency goes."""
     places = np.linspace(-1.0, 1.0, 2 * phases.size + 1)[1::2]
-    slope = np.polyder(np.polyfit(places, phases, min(3, phases.size - 2)))
+    smooth = np.polyfit(places, phases, min(3, phases.size - 2))
     rate = math.pi * envelope.span  # of the phase over half the span
-    first, last = (envelope.frequency + float(np.polyval(slope, x)) / rate for x in (-1.0, 1.0))
-    return first, last
+    if np.std(phases - np.polyval(smooth, places)) > TOL.much_less * np.std(phases):
+        slopes = envelope.frequency + np.gradient(phases, places) / rate
+        return f"between {slopes.min():.4g} and {slopes.max():.4g} Hz"
+    first, last = envelope.frequency + np.polyval(np.polyder(smooth), [-1.0, 1.0]) / rate
+    return f"from {first:.4g} to {last:.4g} Hz"
 
 
 def _beat_of(envelope: Envelope) -> tuple[float, float] | None:
@@ -394,13 +415,15 @@ def steady_part(envelope: Envelope) -> tuple[float, float] | None:
     return None
 
 
-def course_of_frequency(time: Floats, values: Floats) -> str:
+def course_of_frequency(time: Floats, values: Floats, *, alone: bool) -> str:
     """Say how the frequency of a wave changes that stands out in parts of a record, or where one stands out.
 
     Parameters
     ----------
     time, values : array, shape (N,) and (N, channels)
         Ascending [s]; signals in any units.
+    alone : bool
+        Whether to say too where a wave of one frequency stands out.
 
     Returns
     -------
@@ -424,10 +447,14 @@ def course_of_frequency(time: Floats, values: Floats) -> str:
         found = (waves * near) @ np.arange(waves.shape[1]) / powers * rate / (4.0 * size)
         middles = (np.arange(count) + 0.5) / count
         clear = (shares > TOL.beat_share) & (powers > TOL.standing * powers.max())
-        if clear.sum() < TOL.least_windows:
+        cycles = found * size / rate
+        # A step is slower than its part is long; near half the sampling rate are two images.
+        clear &= (cycles > 1.0) & (cycles < 0.5 * size - 3.0)
+        if clear.sum() < (3 if alone else TOL.least_windows):
             continue
         if (
-            np.ptp(found[clear]) < 0.5 * rate / size
+            alone
+            and np.ptp(found[clear]) < 0.5 * rate / size
             and not clear.all()
             and np.ptp(np.flatnonzero(clear)) < clear.sum()
         ):
@@ -439,6 +466,6 @@ def course_of_frequency(time: Floats, values: Floats) -> str:
             course = np.polyfit(middles[clear], found[clear], 2)
         left = float(np.std(found[clear] - np.polyval(course, middles[clear])))
         first, last = (max(0.0, float(np.polyval(course, x))) for x in (0.0, 1.0))
-        if np.ptp(found[clear]) > 4.0 * left + 0.25 * rate / size:
+        if clear.sum() >= TOL.least_windows and np.ptp(found[clear]) > 4.0 * left + 0.25 * rate / size:
             return f"the frequency changes, from {first:.3g} to {last:.3g} Hz"
     return ""

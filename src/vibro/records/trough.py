@@ -757,7 +757,7 @@ def motion_of(
     if change and change.is_large:
         part = steady_part(envelope)
         if part is None:
-            raise InputError(_course_of(record) or change.text, hint=STEADY_HINT)
+            raise InputError(_course_of(record, alone=False) or change.text, hint=STEADY_HINT)
         motion, _, left = measure(part_of(record, *part), is_part=True)
         if left and left.is_large:
             raise InputError(change.text, hint=STEADY_HINT)
@@ -906,21 +906,29 @@ def _check_room(frequency: float, rate: float, span: float, least: float) -> Non
         few = f"the record has {below(cycles)} cycles of {frequency:.6g} Hz: at least {least:g} are needed"
         raise InputError(few, hint="record longer, or check the frequency and the unit of the time")
     if room < least * (1.0 - TOL.about):
-        slow = room == span * apparent(frequency, rate)
-        beside = f"{rate:.5g} samples a second" if slow else f"half of {rate:.5g} samples a second"
-        near = f"{frequency:.5g} Hz is too near to a multiple of {beside}"
-        raise InputError(f"{near}: the amplitude cannot be told", hint="sample at another rate, or longer")
+        raise _too_near(frequency, rate)
+
+
+def _too_near(frequency: float, rate: float) -> InputError:
+    """Say that samples hold too little of a wave."""
+    slow = room_of(frequency, rate) == apparent(frequency, rate)
+    beside = f"{rate:.5g} samples a second" if slow else f"half of {rate:.5g} samples a second"
+    near = f"{frequency:.5g} Hz is too near to a multiple of {beside}"
+    return InputError(f"{near}: the amplitude cannot be told", hint="sample at another rate, or longer")
 
 
 def _no_wave(record: Record, stated: float | None) -> InputError:
     """Say why no wave stands out."""
-    if changes := _course_of(record):
+    rate = rate_of(record.time)
+    if stated is not None and room_of(stated, rate) * float(np.ptp(record.time)) < TOL.least_cycles:
+        return _too_near(stated, rate)
+    if changes := _course_of(record, alone=True):
         return InputError(changes, hint=STEADY_HINT)
     columns = " and ".join(shown(record.headers[name]) for name in record.trough)
     at = "" if stated is None else f" of {stated:.6g} Hz"
-    hint, rate = "was the trough running?", rate_of(record.time)
+    hint = "was the trough running?"
     if stated is None and rate < TOL.hides_drives:
-        must = f"The frequency of a drive above {0.5 * rate:.4g} Hz must be given"
+        must = f"The frequency of a drive above {rate / TOL.coarsest:.4g} Hz must be given"
         hint += f" {must}: {argument('frequency', '50')}"
     return InputError(f"no wave{at} stands out in column {columns}", hint=hint)
 
@@ -1045,9 +1053,9 @@ def _frequency(record: Record, signals: Mapping[str, Floats], stated: float | No
     return frequency
 
 
-def _course_of(record: Record) -> str:
-    """Say how the frequency changes in a record; empty if it does not clearly do so."""
-    return course_of_frequency(record.time, np.stack(list(record.trough.values()), axis=1))
+def _course_of(record: Record, *, alone: bool) -> str:
+    """Say what ``course_of_frequency`` does of a record."""
+    return course_of_frequency(record.time, np.stack(list(record.trough.values()), axis=1), alone=alone)
 
 
 def _found(repetition: Repetition, stated: float | None) -> float | None:
