@@ -36,7 +36,7 @@ FILES = {
         POINT.format(25) + HARMONICS + NORMAL.replace("0.2", "0.6") + "restitution = 0.3\n",
     ],
     "steps, samples": [
-        POINT.format(5) + "[motion]\nalong_steps = [[0.8, 3.5], [0.2, -14]]\n",
+        POINT.format(15) + "[motion]\nalong_steps = [[0.8, 3.5], [0.2, -14]]\n",
         POINT.format(8) + f"[motion]\nalong_samples_m_s2 = {WAVE}\n",
     ],
     "clamped part": [POINT.format(25) + HARMONICS + "normal_acceleration_m_s2 = 20\ntrough_angle_deg = 5\n"],
