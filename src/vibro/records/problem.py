@@ -370,6 +370,10 @@ class Problem:
         self.errors: list[str] = []
         # Directions of the weighted residuals in which these move them, and by which share.
         self._directions, self._shrunk = np.empty((0, 0)), np.empty(0)
+        # What turns the residuals in these directions into the gains of the sensors on the body; the signals
+        # at the point that weighed them.
+        self._gains = np.empty((0, 0))
+        self._weighed: dict[str, Floats] = {}
         for name, values in observation.signals.items():
             folded = observation.folded[name]
             rest = detrended(observation.time, values - folded.periodic(observation.time), folded.trends)
@@ -430,6 +434,11 @@ class Problem:
         model, signals = self._model(cycles, points), self.observation.signals
         values = self._weighted({name: measured - model[name] for name, measured in signals.items()})
         if self._shrunk.size:
+            if self._gains.size:
+                # A gain multiplies the motion of each point, not that of the one that weighed it.
+                gains = (values @ self._directions @ self._gains).T[..., None]
+                moved = [model[name] - there for name, there in self._weighed.items()]
+                values -= self._weighted(dict(zip(signals, gains * moved, strict=True)))
             values -= (values @ self._directions * self._shrunk) @ self._directions.T
         own = [self.fixed[name] for name in self.names[self.asked :]]
         values = np.hstack([values, (points[:, self.asked : -1] - own) @ self._prior.T])
@@ -490,8 +499,13 @@ class Problem:
             self._weigh(name, shape, residual)
         self.effects = self._weighted(effects).T
         # With effects E and errors e the least of |r - E e|^2 + |e|^2 over e is |(1 + E E')^(-1/2) r|^2.
-        self._directions, sizes, _ = np.linalg.svd(self.effects, full_matrices=False)
+        self._directions, sizes, errors = np.linalg.svd(self.effects, full_matrices=False)
         self._shrunk = 1.0 - 1.0 / np.sqrt(1.0 + sizes**2)
+        if self.sensors is not None:
+            kinds = self.errors[len(self.varying) :]
+            own = [i for i, kind in enumerate(kinds) if kind == "gain" and i >= len(self.linear)]
+            self._gains = self.sensors.gain * (sizes / (1.0 + sizes**2))[:, None] * errors[:, own]
+            self._weighed = {name: values[0] for name, values in now.items()}
 
     def _effects(self, point: Floats, now: Mapping[str, Floats]) -> dict[str, Floats]:
         """Return what one standard error of each kind makes of every signal, (errors, N).
