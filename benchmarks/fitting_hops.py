@@ -4,8 +4,7 @@ Usage: python benchmarks/fitting_hops.py [--only TEXT]
 
 Each record has 8 cycles of 40 samples from an unknown trigger time on, and normal noise of 2 % of its peak;
 the fit begins at coefficients that are 20 % too large. Records are sampled from the package's own motion:
-how often intervals hold is counted by measured_drives.py, on records that are not. Seconds are those of the
-processor.
+how often intervals hold is not counted here. Seconds are those of the processor.
 """
 
 from __future__ import annotations

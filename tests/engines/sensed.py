@@ -124,13 +124,15 @@ class Sliding:
             at = np.asarray(at)
             return way * (self._gained(way, at, 1) - self._gained(way, np.asarray(time), 1))
 
-        mesh = time + self.period * (0.5 + np.arange(8 * MESH)) / MESH
-        below = np.flatnonzero(speed(mesh) < 0.0)
-        if not below.size:
-            raise ArithmeticError("the body slides away")
-        if not below[0]:
-            return float(mesh[0])
-        return float(brentq(lambda t: float(speed(t)), mesh[below[0] - 1], mesh[below[0]], xtol=1e-16))
+        for cycle in range(8):
+            mesh = time + self.period * (np.arange(MESH + 1) + 0.5) / MESH + cycle * self.period
+            below = np.flatnonzero(speed(mesh) < 0.0)
+            if below.size and below[0]:
+                begin, end = mesh[below[0] - 1], mesh[below[0]]
+                return float(brentq(lambda t: float(speed(t)), begin, end, xtol=1e-16))
+            if below.size:
+                return float(mesh[0])
+        raise ArithmeticError("the body slides away")
 
     def position(self, time: Floats) -> Floats:
         """Displacement relative to the trough, 0 at the first time [m]."""
