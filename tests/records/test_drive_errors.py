@@ -210,4 +210,5 @@ def test_a_filter_that_is_stated_is_computed_and_one_that_is_not_is_told() -> No
     assert not any("repeats in every cycle" in text for text in stated.fit.statements)
     silent = measured(drawn, filtered, 2, SensorErrors())
     assert silent.fit is not None
-    assert any("repeats in every cycle" in text and "low-pass" in text for text in silent.fit.statements)
+    assert any("repeats in every cycle" in text and "low-pass" in text for text in silent.fit.doubts)
+    assert {*silent.fit.doubts} <= {*silent.fit.statements}

@@ -91,7 +91,7 @@ def measurement_answer(m: Measurement, data: Path, request: Request) -> Answer:
         "rows": time.size,
         "columns": dict(m.record.headers),
         "scene": scene_table(request),
-        "warnings": m.warnings,
+        "warnings": [*m.warnings, *(m.fit.doubts if m.fit else ())],
     }
     tables: list[Table] = []
     if m.trough:

@@ -302,12 +302,15 @@ class Fit:
         The estimates, in the order of the names.
     statements : tuple of str
         Sentences: which feature of the motion gives each estimate, which quantities the data cannot identify,
-        and why.
+        and why; the doubts are the last ones.
+    doubts : tuple of str
+        Why intervals may miss the truth.
     """
 
     scene: Scene
     parameters: tuple[Parameter, ...]
     statements: tuple[str, ...]
+    doubts: tuple[str, ...] = ()
 
 
 class _Work:
@@ -436,7 +439,10 @@ def _judged(problem: Problem, fitting: list[Minimum], intervals: list[_Intervals
         shares = {error: float(values[column]) for error, values in narrower.items()}
         parameters.append(Parameter(name, float(best.point[column]), bounded, identified, shares))
     fitted = Scene(**(problem.fixed | dict(zip(problem.names, best.point.tolist(), strict=False))))
-    return Fit(fitted, tuple(parameters), tuple(_statements(problem, fitting, parameters, fitted, groups)))
+    resting = "F" not in best.label and "B" not in best.label and best.label != HOPS
+    doubts = () if resting else tuple(_misfits(problem, best))
+    statements = _statements(problem, fitting, parameters, fitted, groups)
+    return Fit(fitted, tuple(parameters), (*statements, *doubts), doubts)
 
 
 def _bounded(intervals: _Intervals, least: float, most: float) -> _Intervals:
@@ -688,7 +694,7 @@ def _statements(
         several = f"patterns {' and '.join(labels)}" if len(labels) > 1 else "phases to both sides of 0"
         found.append(f"{several} fit: an interval in pieces holds the values of each")
     found += _unidentified(pattern, lost, groups)
-    return found + _limits(problem, pattern, parameters, fitted) + _misfits(problem, best)
+    return found + _limits(problem, pattern, parameters, fitted)
 
 
 def _misfits(problem: Problem, best: Minimum) -> list[str]:
