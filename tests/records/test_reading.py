@@ -6,16 +6,7 @@ from pathlib import Path
 
 import numpy as np
 from helpers.cases import each
-from helpers.made_tables import POSITIONS, TIMES, lines, read
-
-
-@each("newline", ["\n", "\r\n"])
-@each(("separator", "comma"), [(",", False), (";", False), (";", True), ("\t", False), ("\t", True)])
-def test_separators_and_decimals(tmp_path: Path, separator: str, comma: bool, newline: str) -> None:
-    content = lines(separator, f"Time [s]{separator}X [mm]", comma)
-    record = read(tmp_path, content, newline)
-    np.testing.assert_array_equal(record.time, TIMES)
-    np.testing.assert_allclose(record.signals["displacement"], POSITIONS / 1000, rtol=1e-15)
+from helpers.made_tables import read
 
 
 @each(
@@ -33,43 +24,6 @@ def test_encodings(tmp_path: Path, encoding: str, mark: bytes) -> None:
     record = read(tmp_path, content, time="Time [s]")
     np.testing.assert_allclose(record.signals["displacement"], [1e-6, 2e-6, 5e-6])
     assert record.headers == {"time": "Time [s]", "displacement": "Auslenkung [µm]"}
-
-
-def test_columns_by_name_part_of_it_and_number_of_words(tmp_path: Path) -> None:
-    content = ["Time (sec),Weg (mm),Weg 2 (mm),Force (newton)", "0,1,2,3", "1,2,3,4", "2,0,0,0"]
-    record = read(tmp_path, content, time="time", displacement="Weg 2 (mm)", friction="FORCE (newton)")
-    np.testing.assert_allclose(record.signals["displacement"], [2e-3, 3e-3, 0.0])
-    np.testing.assert_array_equal(record.signals["friction"], [3.0, 4.0, 0.0])
-    assert set(record.signals) == {"displacement", "friction"}
-
-
-def test_the_unit_may_come_from_the_option(tmp_path: Path) -> None:
-    content = ["t,v", "0,1", "10,2", "20,3"]
-    record = read(tmp_path, content, time="t [ms]", velocity="v [mm/s]")
-    np.testing.assert_allclose(record.time, [0.0, 0.01, 0.02])
-    np.testing.assert_allclose(record.signals["velocity"], [1e-3, 2e-3, 3e-3])
-
-
-def test_a_long_record_may_count_minutes(tmp_path: Path) -> None:
-    record = read(tmp_path, ["t [min],x [mm]", "0,1", "0.5,2", "1,3"])
-    np.testing.assert_array_equal(record.time, [0.0, 30.0, 60.0])
-
-
-def test_preamble_and_row_of_units(tmp_path: Path) -> None:
-    content = ["Motion study 1", "Time;X", "[ms];[mm]", "0;1,5", "1;2,5", "2;0,5"]
-    record = read(tmp_path, content)
-    np.testing.assert_allclose(record.time, [0.0, 1e-3, 2e-3])
-    np.testing.assert_allclose(record.signals["displacement"], [1.5e-3, 2.5e-3, 0.5e-3])
-
-
-def test_a_preamble_above_a_header_with_units(tmp_path: Path) -> None:
-    record = read(tmp_path, ["study,1", *lines()])
-    assert record.headers == {"time": "Time [s]", "displacement": "X [mm]"}
-
-
-def test_columns_of_text_beside_the_numbers_do_not_matter(tmp_path: Path) -> None:
-    record = read(tmp_path, ["phase,t [s],x [mm]", "rest,0,1", "slide,1,2", ",2,3"])
-    np.testing.assert_array_equal(record.time, [0.0, 1.0, 2.0])
 
 
 HEADERS: dict[str, tuple[list[str], dict[str, str]]] = {
@@ -188,12 +142,6 @@ def test_a_byte_that_the_code_page_lacks_is_replaced(tmp_path: Path) -> None:
     record = read(tmp_path, b"Time [s],\x81 [\xb5m]\n0,1\n1,2\n")
     np.testing.assert_allclose(record.signals["displacement"], [1e-6, 2e-6])
     assert record.headers["displacement"] == "\ufffd [\u00b5m]"
-
-
-def test_a_first_row_with_more_numbers_than_usual_is_data(tmp_path: Path) -> None:
-    """A column of text may hold a number in it."""
-    rows = ["0,1,7", "1,2,slide", "2,3,rest"]
-    np.testing.assert_array_equal(read(tmp_path, ["t [s],x [mm],phase", *rows]).time, [0.0, 1.0, 2.0])
 
 
 def test_cells_beyond_the_header_row_may_be_empty(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from helpers.cases import each
 
 from vibro import measured_motion
 from vibro.errors import InputError
-from vibro.records.reading import Record, Table, read_record, read_sensitivities, record_of
+from vibro.records.reading import Record, read_record, read_sensitivities
 
 
 def read(folder: Path, header: str, row: str, *sensitivities: str, **columns: str) -> Record:
@@ -185,15 +185,6 @@ def test_a_single_column_needs_no_name(tmp_path: Path, typed: str, mark: str) ->
 def test_a_third_axis_of_the_trough(tmp_path: Path) -> None:
     record = read(tmp_path, "t [s];a [g];b [g]", "1;2", trough_along="a", trough_across="b")
     np.testing.assert_allclose(record.trough["trough_across"], [2 * 9.80665] * 2)
-
-
-def test_a_table_of_another_format_needs_names_units_and_columns() -> None:
-    columns = [np.array([1.0, 2.0, 4.0]), np.array([7, 8, 9])]
-    table = Table(Path("x.tdms"), ["Acc along", "Count"], columns, ["g", "ms"])
-    record = record_of(table, {"trough_along": "acc along"}, body=False)
-    np.testing.assert_allclose(record.time, [7e-3, 8e-3, 9e-3], rtol=1e-15)
-    np.testing.assert_allclose(record.trough["trough_along"], [9.80665, 19.6133, 39.2266], rtol=1e-15)
-    assert record.headers == {"time": "Count [ms]", "trough_along": "Acc along [g]"}
 
 
 # --- hints --------------------------------------------------------------------------------------------

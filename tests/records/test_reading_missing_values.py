@@ -24,11 +24,6 @@ def test_a_few_rows_without_a_value_are_skipped_and_counted(tmp_path: Path, cell
     np.testing.assert_allclose(record.signals["displacement"], np.array(kept) / 1000)
 
 
-def test_cells_of_columns_that_are_not_read_may_be_empty(tmp_path: Path) -> None:
-    content = ["t [s],x [mm],v [mm/s]", *(f"{i},{i},{'' if i % 2 else i}" for i in range(10))]
-    assert read(tmp_path, content, displacement="x").time.size == 10
-
-
 @each("rows", [(50, 51), tuple(range(10, 60, 10))])
 def test_two_rows_in_succession_and_one_in_twenty_may_lack_a_value(
     tmp_path: Path, rows: tuple[int, ...]

@@ -13,54 +13,40 @@ from vibro.records.reading import Record, read_record, read_sensitivities, round
 
 
 @each(
-    ("text", "kind", "size"),
+    ("texts", "kind", "size"),
     [
-        ("s", "time", 1.0),
-        ("sec", "time", 1.0),
+        ("s sec second seconds", "time", 1.0),
         ("ms", "time", 1e-3),
-        ("us", "time", 1e-6),
-        ("\u00b5s", "time", 1e-6),
+        ("us \u00b5s", "time", 1e-6),
         ("min", "time", 60.0),
         ("m", "displacement", 1.0),
         ("cm", "displacement", 1e-2),
-        ("mm", "displacement", 1e-3),
-        ("um", "displacement", 1e-6),
-        ("\u03bcm", "displacement", 1e-6),
-        ("MM", "displacement", 1e-3),
+        ("mm MM", "displacement", 1e-3),
+        ("um \u03bcm", "displacement", 1e-6),
         ("in", "displacement", 0.0254),
-        ("mm/sec", "velocity", 1e-3),
-        ("mm_s", "velocity", 1e-3),
         ("m/s", "velocity", 1.0),
-        ("mm/sec**2", "acceleration", 1e-3),
-        ("mm/s\u00b2", "acceleration", 1e-3),
-        ("m_s2", "acceleration", 1.0),
+        ("cm/s", "velocity", 1e-2),
+        ("mm/sec mm_s", "velocity", 1e-3),
+        ("um_s", "velocity", 1e-6),
+        ("in/s in_s", "velocity", 0.0254),
+        ("m_s2 m/second**2", "acceleration", 1.0),
+        ("cm/s^2", "acceleration", 1e-2),
+        ("mm/sec**2 mm/s\u00b2", "acceleration", 1e-3),
+        ("in_s2 in/s\u00b2", "acceleration", 0.0254),
         ("g", "acceleration", 9.80665),
-        ("newton", "force", 1.0),
-        ("N", "force", 1.0),
+        ("N newton newtons", "force", 1.0),
         ("mN", "force", 1e-3),
         ("kN", "force", 1e3),
+        ("V Volt volts", "voltage", 1.0),
         ("mV", "voltage", 1e-3),
-        ("V", "voltage", 1.0),
-        ("seconds", "time", 1.0),
-        ("second", "time", 1.0),
-        ("cm/s", "velocity", 1e-2),
-        ("in/s", "velocity", 0.0254),
-        ("in_s", "velocity", 0.0254),
-        ("um_s", "velocity", 1e-6),
-        ("in_s2", "acceleration", 0.0254),
-        ("cm/s^2", "acceleration", 1e-2),
-        ("in/s²", "acceleration", 0.0254),
-        ("m/second**2", "acceleration", 1.0),
-        ("newtons", "force", 1.0),
-        ("volts", "voltage", 1.0),
-        ("Volt", "voltage", 1.0),
     ],
 )
-def test_spellings_of_units(text: str, kind: str, size: float) -> None:
-    found = signal_unit(text)
-    assert found is not None
-    assert found[0] == kind
-    assert found[1] == pytest.approx(size, rel=1e-15)
+def test_spellings_of_units(texts: str, kind: str, size: float) -> None:
+    for text in texts.split():
+        found = signal_unit(text)
+        assert found is not None
+        assert found[0] == kind
+        assert found[1] == pytest.approx(size, rel=1e-15)
 
 
 @each("text", ["", "deg", "1/s", "furlong", "v"])

@@ -227,10 +227,10 @@ Flags = NDArray[np.bool_]
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """Columns of a file of any format, from which ``record_of`` takes the signals that are wanted.
+    """Columns of a file of any format, from which ``read_record`` takes the signals that are wanted.
 
     A reader of a format returns one: names, columns and units are all that it has to give. Which column is
-    which signal, sensitivities, rows without a value and the clock are the business of ``record_of``.
+    which signal, sensitivities, rows without a value and the clock are the business of ``read_record``.
 
     Attributes
     ----------

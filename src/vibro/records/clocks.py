@@ -27,9 +27,8 @@ _EPOCH_UNITS: Final = (1.0, 1e-3, 1e-6, 1e-9)
 _COARSE, _LOSSLESS, _OFF = 0.05, 0.8, 1.1
 _ON_GRID: Final = 1e-3  # of the last digit: rounding of times
 _LEAST: Final = 5  # steps of each kind that tell a coarse clock from rows that are lost or written twice
-_COINCIDENCE: Final = (
-    0.01  # probability at which runs one after another may look like a counter that overflows
-)
+#: Probability at which runs one after another may look like a counter that overflows.
+_COINCIDENCE: Final = 0.01
 
 
 def is_clock(cells: NDArray[Any]) -> bool:
@@ -66,7 +65,6 @@ def seconds_of(cells: NDArray[Any]) -> tuple[Floats, Floats]:
         (len(m[6]) for m in found if m and m[5] == ":"), default=0
     )  # milliseconds, say, not decimals
     time, date, days = np.full(len(found), np.nan), "", -1
-    halves = True  # of days
     for i, m in enumerate(found):
         if m:
             days, date = days + (m[1] != date or days < 0), m[1] or ""

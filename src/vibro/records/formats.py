@@ -187,6 +187,7 @@ def _wav(path: Path) -> Iterator[_Channel]:
 
 #: Ends a header of LabVIEW: that of the file, and that of the channels under it.
 _END: Final = "***End_of_Header***"
+_NUMBER: Final = re.compile(r"[+-]?[0-9]+(?:[.,][0-9]*)?(?:[eE][+-]?[0-9]{1,3})?")
 
 
 def lvm_table(path: Path, text: str) -> tuple[str, list[str]]:
@@ -230,18 +231,13 @@ def lvm_table(path: Path, text: str) -> tuple[str, list[str]]:
     for i in places:
         names[i] += f" [{unit}]" if (unit := stated("Y_Unit_Label", i)) else ""
     names[0] += " [s]" if "Time" in of.get("X_Dimension", "Time") else ""
-    start, step = (_number(x) for x in steps.pop()) if steps else (None, None)
+    start, step = (
+        float(x.replace(",", ".")) if _NUMBER.fullmatch(x) else 0.0 for x in (steps or {("", "")}).pop()
+    )
     if step and not has_times:
         point = "," if any(line.startswith("Decimal_Separator\t,") for line in lines[: ends[0]]) else "."
-        times = [f"{(start or 0.0) + i * step!r}".replace(".", point) for i in range(len(rows))]
+        times = [f"{start + i * step!r}".replace(".", point) for i in range(len(rows))]
         rows = [t + row.lstrip(" ") if row.strip() else "" for t, row in zip(times, rows, strict=True)]
     left = len(lines) - last
     notes = [f"{path.name}: {left} rows under the next header are left out"] if left > 1 else []
     return "\n".join([*[""] * (first - 1), separator.join(names), *rows]), notes
-
-
-def _number(text: str) -> float | None:
-    try:
-        return float(text.replace(",", "."))
-    except ValueError:
-        return None

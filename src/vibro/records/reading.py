@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -28,13 +27,13 @@ from vibro.records.channels import (
     WORDS,
     Flags,
     Header,
+    Table,
     Unit,
     headers_of,
     kinds_of,
     split_header,
 )
 from vibro.records.channels import SIGNAL_UNITS as SIGNAL_UNITS
-from vibro.records.channels import Table as Table
 from vibro.records.channels import signal_unit as signal_unit
 from vibro.records.formats import read_channels
 from vibro.records.texts import text_table
@@ -295,19 +294,11 @@ class _Sensitivity(NamedTuple):
     kind: str
     per_volt: float
 
-    @property
-    def served(self) -> str:
-        """The argument that names its column, or the kind of signal in words."""
-        return self.role or _a(self.kind)
-
-    def serves(self, role: str) -> bool:
-        """Whether it applies to a voltage in the column of a signal."""
-        return self.role == role if self.role else self.kind == KINDS[role]
-
 
 # Possessive quantifiers: the time for a text is proportional to its length, not to the square of it.
-_NUMBER: Final = r"[+-]?+(?:(?:[0-9]++\.?+[0-9]*+|\.[0-9]++)(?:[eE][+-]?+[0-9]++)?+|(?i:nan|inf))"
-_SENSITIVITY: Final = re.compile(rf"({_NUMBER})\s*+([^\W\d].*|\(.*)")
+_SENSITIVITY: Final = re.compile(
+    r"([+-]?+(?:[0-9]++\.?+[0-9]*+|\.[0-9]++)(?:[eE][+-]?+[0-9]++)?+)\s*+([^\W\d].*|\(.*)"
+)
 _HINT: Final = f"write it like {', '.join(_EXAMPLES.values())} or 125mm/s/V"
 
 
@@ -323,19 +314,18 @@ def read_sensitivities(texts: Sequence[str]) -> tuple[_Sensitivity, ...]:
     Raises
     ------
     InputError
-        If one is no sensitivity, is 0, not finite or beyond 1e-20 to 1e20 in SI units; or if two apply to the
-        same column or kind.
+        If one is no sensitivity, is 0 or beyond 1e-20 to 1e20 in SI units; or if two apply to the same column
+        or kind.
     """
-    found: list[_Sensitivity] = []
-    for text in texts:
-        one = _sensitivity(text)
-        for other in found:
-            if one.served == other.served:
-                both = f"{_given(other.text)} and {_given(one.text)}: each is for {one.served}"
-                hint = f"say which column each is for: {_given('trough-along=100mV/g')}"
-                raise InputError(both, hint=hint)
-        found.append(one)
-    return tuple(found)
+    found = dict[str, _Sensitivity]()
+    for one in map(_sensitivity, texts):
+        served = one.role or _a(one.kind)
+        if served in found:
+            both = f"{_given(found[served].text)} and {_given(one.text)}: each is for {served}"
+            hint = f"say which column each is for: {_given('trough-along=100mV/g')}"
+            raise InputError(both, hint=hint)
+        found[served] = one
+    return tuple(found.values())
 
 
 def _given(text: str) -> str:
@@ -350,20 +340,17 @@ def _sensitivity(text: str) -> _Sensitivity:
     if equals and (role not in KINDS or role == "time"):
         known = ", ".join(r.replace("_", "-") for r in KINDS if r not in ("time", *AXES))
         raise InputError(f"{given}: {shown(name.strip())} is no signal", hint=f"signals are {known}")
-    value = value.strip()
-    match = _SENSITIVITY.fullmatch(value)
-    if match is None:
-        raise InputError(f"{given}: not a number, with a decimal point, and a unit", hint=_HINT)
-    number, unit_text = float(match[1]), match[2].strip()
-    unit = _unit(unit_text)
-    if unit is None:
-        raise InputError(f"{given}: {shown(unit_text)} is no unit of a sensitivity", hint=_HINT)
-    kind, size, inverse = unit
+    match = _SENSITIVITY.fullmatch(value.strip())
+    unit = _unit(match[2]) if match else None
+    if match is None or unit is None:
+        neither = f"{given}: not a number, with a decimal point, and a unit of a sensitivity"
+        raise InputError(neither, hint=_HINT)
+    (kind, size, inverse), number = unit, float(match[1])
     if role and kind not in kinds_of(role):
-        other = f"{given}: {shown(unit_text)} is no sensitivity of {_a(' or '.join(kinds_of(role)))}"
+        other = f"{given}: {shown(match[2])} is no sensitivity of {_a(' or '.join(kinds_of(role)))}"
         raise InputError(other, hint=f"write it like {_EXAMPLES[KINDS[role]]}")
-    if number == 0.0 or not math.isfinite(number):
-        raise InputError(f"{given}: must be finite and not 0", hint=_HINT)
+    if number == 0.0:
+        raise InputError(f"{given}: must not be 0", hint=_HINT)
     per_volt = number * size if inverse else size / number
     if not 1.0 / TOL.largest <= abs(per_volt) <= TOL.largest:
         raise InputError(f"{given}: 1 V would be {per_volt:g} in SI units, which is beyond any sensor")
@@ -585,10 +572,9 @@ def _named(table: Table, headers: list[Header], role: str, wanted: _Wanted, take
         return _Column(header, *unit, typed=typed)
     column, example = f"{path}: column {shown(header.text)} for {role}", _EXAMPLES.get(kind)
     if unit is not None and unit[0] == "voltage" and example:
-        serving = [sensitivity for sensitivity in wanted.sensitivities if sensitivity.serves(role)]
-        if serving:
-            # A sensitivity of this column has priority over one of its kind.
-            sensitivity = max(serving, key=lambda sensitivity: bool(sensitivity.role))
+        # A sensitivity of this column has priority over one of its kind.
+        of_column = [s for s in wanted.sensitivities if s.role == role]
+        for sensitivity in of_column or [s for s in wanted.sensitivities if (s.role, s.kind) == ("", kind)]:
             return _Column(header, sensitivity.kind, unit[1] * sensitivity.per_volt, sensitivity, typed)
         own = argument("sensitivity", f"{role.replace('_', '-')}={example}")
         missing = f"{column}: the sensitivity of its sensor is missing"
@@ -739,18 +725,7 @@ def read_record(
         If a column is missing, ambiguous or without a unit; if a cell is no number, or too many are empty; if
         the time has gaps, repeats or goes back. Row and column are named.
     """
-    return record_of(read_channels(path) or text_table(path), columns, sensitivities, body=body, rate=rate)
-
-
-def record_of(
-    table: Table,
-    columns: Mapping[str, str] | None = None,
-    sensitivities: Sequence[_Sensitivity] = (),
-    *,
-    body: bool = True,
-    rate: float | str | None = None,
-) -> Record:
-    """Take the wanted signals from a table; parameters, result and errors are those of ``read_record``."""
+    table = read_channels(path) or text_table(path)
     hertz = None if rate is None else checked_number(str(rate), RATE)
     wanted = _Wanted(columns or {}, sensitivities, body, hertz)
     if hertz is not None and "time" in wanted.headers:

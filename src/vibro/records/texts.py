@@ -53,11 +53,7 @@ _DECIMALS: Final = {
     for mark in _THOUSANDS
 }
 _FORTRAN: Final = re.compile("(?<=[0-9.])[dD](?=[+-]?[0-9])")  # 1.5D+03
-_MISSING: Final = [
-    written
-    for text in ("", "NaN", "+NaN", "-NaN", "N/A", "#N/A", "NA", "None", "null", "-", "--", "?", "*", "***")
-    for written in {text, text.upper(), text.lower(), text.title()}
-]
+_MISSING: Final = ["-", "--", "?", "*", "***"]  # besides what pandas takes as missing
 
 
 def is_value(cell: str) -> bool:
@@ -268,7 +264,7 @@ def _columns(
             warnings.simplefilter("error", pd.errors.ParserWarning)  # of cells that would be left out
             frame = pd.read_csv(
                 io.StringIO(body), sep=r"\s+" if separator == " " else separator, engine="c", header=None,
-                names=range(layout.most), index_col=False, na_values=_MISSING, keep_default_na=False,
+                names=range(layout.most), index_col=False, na_values=_MISSING,
                 skipinitialspace=True, skip_blank_lines=False, quoting=csv.QUOTE_NONE, low_memory=False,
             )  # fmt: skip
     except (pd.errors.ParserError, pd.errors.ParserWarning):  # of a line with more cells, which may be empty
