@@ -152,8 +152,8 @@ def test_a_column_by_number_with_a_unit_is_believed(tmp_path: Path) -> None:
     record = read(tmp_path, header, "1;2", time="1 [s]", trough_along="3 [m/s^2]", displacement="left [mm]")
     np.testing.assert_array_equal(record.time, [0.0, 1.0])
     np.testing.assert_array_equal(record.trough["trough_along"], [2.0, 2.0])
-    assert record.believed == {"time", "trough_along"}  # the header alone says nothing new
-    assert read(tmp_path, header, "1;2", trough_along="RIGHT [m/s^2]").believed == {"trough_along"}
+    assert record.believed == {"time": "s", "trough_along": "m/s^2"}  # the header alone says nothing new
+    assert read(tmp_path, header, "1;2", trough_along="RIGHT [m/s^2]").believed == {"trough_along": "m/s^2"}
     assert not read(tmp_path, header, "1;2", trough_along="3").believed
 
 
@@ -211,16 +211,20 @@ def test_a_hint_proposes_a_unit_of_the_likely_kind_that_works(
     assert "trough_along" in record.believed
 
 
-@each("frequency", [None, 25.0])
-def test_milliseconds_as_seconds_are_no_aliasing(tmp_path: Path, frequency: float | None) -> None:
+@each(("unit", "frequency"), [("ms", None), ("ms", 25.0), ("us", None), ("ns", None)])
+def test_seconds_that_are_a_smaller_unit_are_no_aliasing(
+    tmp_path: Path, unit: str, frequency: float | None
+) -> None:
     path = tmp_path / "data.csv"
-    rows = "\n".join(f"{2 * i},{20.0 * np.sin(0.1 * np.pi * i + 0.7):.5f}" for i in range(1000))
+    step = {"ms": 2, "us": 2000, "ns": 2000000}[unit]
+    rows = "\n".join(f"{step * i},{20.0 * np.sin(0.1 * np.pi * i + 0.7):.5f}" for i in range(1000))
     path.write_text(f"Time (s),ax (m/s^2)\n{rows}\n", encoding="utf-8")
     call = partial(measured_motion, path, trough_along="ax", drive_angle=0.0, frequency=frequency)
-    with pytest.raises(InputError) as refused:
-        call()
-    assert f"{refused.value.hint}" == 'the time may be in ms: time="Time [ms]"'
-    assert call(time="Time [ms]").frequency == pytest.approx(25.0, rel=1e-6)
+    for typed in (None, "Time [ms]", "Time [min]")[: 1 if unit == "ms" else 3]:
+        with pytest.raises(InputError) as refused:
+            call(time=typed)
+        assert f"{refused.value.hint}" == f'the time may be in {unit}: time="Time [{unit}]"'
+    assert call(time=f"Time [{unit}]").frequency == pytest.approx(25.0, rel=1e-6)
 
 
 def test_hints_for_times_that_are_unknown_or_missing_name_the_sampling_rate(tmp_path: Path) -> None:

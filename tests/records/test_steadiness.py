@@ -274,5 +274,5 @@ def test_motions_that_nothing_makes_are_refused_unless_the_unit_is_given(
         motion_of(record, drive_angle=0.0)
     assert text in str(caught.value)
     assert remedy in str(caught.value.hint)
-    believed = replace(record, believed=frozenset({"time", "trough_along"}))
+    believed = replace(record, believed={"time": "s", "trough_along": "g"})
     assert "as its unit is given" in "".join(motion_of(believed, drive_angle=0.0).notes)

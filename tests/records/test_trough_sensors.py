@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import runpy
 from pathlib import Path
 from typing import Any, Final
@@ -14,7 +15,7 @@ from helpers.turned_sensors import Case, G, Line, record_of
 
 import vibro
 from vibro.errors import InputError
-from vibro.records.channels import AXES
+from vibro.records.channels import AXES, SIGNAL_UNITS
 from vibro.records.reading import read_record
 from vibro.records.sensors import EXACT, Mounting, SensorErrors
 from vibro.records.trough import MeasuredMotion, motion_of, speeds_of
@@ -140,6 +141,54 @@ def test_a_mean_that_is_not_gravity_turns_nothing() -> None:
         is_the_motion(measured, line)
         assert any("neither 0 nor gravity" in text for text in measured.warnings) == is_questioned
         assert not measured.placement.by_gravity
+
+
+@pytest.mark.parametrize("roles", [TWO, THREE, {"trough_normal": 1}, dict(zip(AXES, (2, 0, 1), strict=True))])
+@pytest.mark.parametrize(
+    ("said", "true"),
+    [("m/s^2", "g"), ("g", "m/s^2"), ("g", "mg"), ("mg", "g"), ("m/s^2", "mm/s^2"), ("mm/s^2", "m/s^2")],
+)
+def test_gravity_in_another_unit_is_refused_with_the_unit_that_works(
+    roles: dict[str, int], said: str, true: str, tmp_path: Path
+) -> None:
+    line, path = Line(), tmp_path / "trough.csv"
+    record = record_of(line, Case(pitch=0.05 * (len(roles) > 1), offsets=np.array([0.1, -0.1, 0.1])), roles)
+    values = np.stack([record.time, *record.trough.values()], axis=1)
+    values[:, 1:] /= SIGNAL_UNITS["acceleration"][true]
+    names = ("ax", "ay", "az")[: len(roles)]
+    header = ",".join(["t (s)", *(f"{name} ({said})" for name in names)])
+    np.savetxt(path, values, "%.9g", ",", header=header, comments="")
+
+    def measured(unit: str, columns: dict[str, str]) -> MeasuredMotion:
+        given: dict[str, Any] = {
+            role: f"{column} [{unit}]" if unit else column for role, column in columns.items()
+        }
+        given |= {} if len(roles) > 1 else {"drive_angle": line.angle}
+        return vibro.measured_motion(path, sensor="gain=0.1%,cross=0.1%,offset=10mg", **given)
+
+    plain = {} if "trough_x" in roles else dict(zip(roles, names, strict=True))
+    with pytest.raises(InputError, match=f"is gravity if the unit is {re.escape(true)}\n") as refused:
+        measured("", plain)
+    proposed = re.findall(r'(trough_\w+)="(\w+) \[(.*?)\]"', str(refused.value.hint))
+    assert {unit for *_, unit in proposed} == {true}
+    columns = {role: column for role, column, _ in proposed}
+    assert columns == (plain or {"trough_across": "ax", "trough_along": "ay", "trough_normal": "az"})
+    motion = measured(true, columns)
+    assert motion.drive_on_line().quantities["amplitude"].value == pytest.approx(line.amplitude, rel=2e-2)
+    if plain:
+        assert f"but {said} is taken" in "".join(measured(said, columns).notes)
+
+
+@pytest.mark.parametrize("header", ["m/s^2", "g", "mg", "mm/s^2"])
+@pytest.mark.parametrize("offset", [0.0, 1e-3, 0.01, 0.08, 0.2, 0.4, 3.0])
+def test_offsets_are_no_gravity_in_another_unit(header: str, offset: float) -> None:
+    for gravity in (False, True):
+        for roles in (TWO, {"trough_normal": 1}):
+            record = record_of(Line(), Case(), roles, gravity=gravity)
+            signals = {role: values + offset * G for role, values in record.trough.items()}
+            headers = {role: f"{role} [{header}]" for role in roles}
+            other = type(record)(record.time, {}, signals, headers)
+            motion_of(other, Mounting(GOOD), drive_angle=None if len(roles) > 1 else 0.4)
 
 
 @pytest.mark.parametrize("corner", [40.0, 100.0])

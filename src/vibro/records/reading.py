@@ -125,8 +125,13 @@ class _Tolerances(NamedTuple):
     most_acceleration: float = 50.0 * 9.80665  # [m/s^2] of a trough: more is refused,
     most_speed: float = 10.0  # [m/s] as are a faster one
     most_amplitude: float = 0.1  # [m] and one that moves farther
-    lowest_frequency: float = 0.5  # [Hz] below it a clock in ms is the likely cause,
-    most_frequency: float = 1000.0  # [Hz] above it, one in s
+    near_gravity: float = 0.03  # of gravity: distance of a mean that is taken for gravity in another unit,
+    most_beside_gravity: float = 20.0 * 9.80665  # [m/s^2] unless the motion would be larger in that unit
+    lowest_frequency: float = (
+        0.5  # [Hz] below it, or above the next, the unit of the time is the likely cause
+    )
+    most_frequency: float = 1000.0  # [Hz]
+    usual_frequency: float = 1.0  # [Hz] up to the one before: where the unit of the time is sought
     slow_drive: float = 5.0  # [Hz] hardly a drive is slower: a lower frequency may be another one's
     slowest_rate: float = 5.0  # [Hz] nobody samples vibration more slowly: the unit of the time is wrong
     hides_drives: float = 250.0  # [Hz] a lower sampling rate is told with the drives that look the same,
@@ -666,9 +671,9 @@ class Record:
         What each motion of the trough is, a key of ``DERIVATIVES``; without one an acceleration.
     notes : tuple of str
         How the file was read, for the user.
-    believed : frozenset of str
-        Names, ``"time"`` among them, of columns whose unit was typed: ``2 [g]``, ``ax [g]``; not if the text
-        is the header as it stands in the file. Their values are right, however absurd they look.
+    believed : mapping of str to str
+        Units that were typed with columns, ``2 [g]``, ``ax [g]``, by their names, ``"time"`` among them; not
+        if the text is the header as it stands in the file. Their values are right, however absurd they look.
     """
 
     time: Floats
@@ -678,7 +683,7 @@ class Record:
     sensitivities: Mapping[str, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     trough_kinds: Mapping[str, str] = field(default_factory=dict)
-    believed: frozenset[str] = frozenset()
+    believed: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def trough_derivatives(self) -> dict[str, int]:
@@ -769,7 +774,7 @@ def read_record(
     kinds = {role: column.kind for role, column in chosen.items() if role in TROUGH}
     signals = {role: x for role, x in values.items() if role in SIGNALS}
     trough = {role: x for role, x in values.items() if role in TROUGH}
-    believed = frozenset(role for role, column in chosen.items() if column.typed)
+    believed = {role: column.typed for role, column in chosen.items() if column.typed}
     return Record(values["time"], signals, trough, headers, texts, tuple(notes), kinds, believed)
 
 

@@ -8,7 +8,7 @@ fundamental's frequency; what changes slowly is strong at the smallest offsets, 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final, NamedTuple
 
@@ -17,7 +17,7 @@ from scipy.fft import dct
 from scipy.special import chdtrc, fdtrc
 
 from vibro.errors import InputError, argument, shown
-from vibro.records.channels import AXES
+from vibro.records.channels import AXES, SIGNAL_UNITS, signal_unit, unit_of_header
 from vibro.records.reading import TOL, Record, doubt, rounded
 
 if TYPE_CHECKING:
@@ -29,6 +29,7 @@ STEADY_HINT: Final = (
 )
 #: A smaller unit than the one of each kind that is usual.
 _SMALL: Final = {"acceleration": "mm/s^2", "velocity": "mm/s", "displacement": "mm"}
+_OF_GRAVITY: Final = ("g", "m/s^2", "mg", "mm/s^2")
 #: Numbers of slow components that are tested, each alone.
 _SLOW: Final = (1, 3, 8)
 _MEDIAN: Final = math.log(2.0)  # of an exponential distribution, over its mean
@@ -130,7 +131,13 @@ def scale_notes(record: Record, role: str, size: float, frequency: float, other:
         return [f"{text}, but is taken, as its unit is given"]
     sensitivity = record.sensitivities.get(role, "")
     if is_slow or is_fast:
-        unit = "ms" if is_slow else "s"
+        seconds, said = SIGNAL_UNITS["time"], frequency * _unit_size(record, "time")
+        likely = [
+            u
+            for u in ("s", "ms", "us", "ns")
+            if TOL.usual_frequency <= said / seconds[u] <= TOL.most_frequency
+        ]
+        unit = next(iter(likely), "ms" if is_slow else "s")
         typed = argument("time", f"{_bare(record.headers.get('time', 't'))} [{unit}]")
         hint = f"the time may be in {unit}: {typed}"
     elif sensitivity:
@@ -141,6 +148,50 @@ def scale_notes(record: Record, role: str, size: float, frequency: float, other:
         typed = argument(named, f"{_bare(header)} [{_SMALL[kind]}]")
         hint = f"its unit may be wrong: give it with the column, {typed}"
     raise InputError(text, hint=f"{other}{hint}")
+
+
+def gravity_notes(record: Record, level: Floats, sizes: Sequence[float]) -> list[str]:
+    """Refuse accelerations whose mean is gravity in another unit; note it where their unit was typed.
+
+    Parameters
+    ----------
+    record : Record
+        The record.
+    level : array, shape (C,)
+        Constant part of each motion of the trough; NaN of what is no acceleration [m/s^2].
+    sizes : sequence of float
+        Amplitudes of their accelerations [m/s^2].
+
+    Raises
+    ------
+    InputError
+        If the unit was not typed.
+    """
+    roles, mean = [*record.trough], float(np.linalg.norm(level))
+    up = roles[int(np.argmax(abs(level)))]
+    said = _unit_size(record, up)
+    for unit in _OF_GRAVITY:
+        size = SIGNAL_UNITS["acceleration"][unit] / said
+        is_gravity = abs(mean * size / 9.80665 - 1.0) <= TOL.near_gravity
+        if size == 1.0 or not is_gravity or max(sizes) * size > TOL.most_beside_gravity:
+            continue
+        named = ", ".join(shown(record.headers[role]) for role in roles)
+        text = f"column {named}: the mean is {mean / 9.80665:.3g} g, which is gravity if the unit is {unit}"
+        if up in record.believed:
+            return [f"{text}, but {record.believed[up]} is taken, as it is given"]
+        if not record.sensitivities:
+            flat = sorted(set(roles) - {up}, key=lambda role: -sizes[roles.index(role)])
+            axes = dict(zip((up, *flat), ("trough_normal", "trough_along", "trough_across"), strict=False))
+            names = {role: axes[role] if role in AXES else role for role in roles}
+            typed = [argument(names[r], f"{_bare(record.headers[r])} [{unit}]") for r in roles]
+            raise InputError(text, hint=f"give the unit with the column: {' '.join(typed)}")
+    return []
+
+
+def _unit_size(record: Record, role: str) -> float:
+    """Return the size of the unit that was typed with a column or that its header states [SI]."""
+    unit = signal_unit(record.believed.get(role, "")) or unit_of_header(record.headers.get(role, ""))
+    return unit[1] if unit else 1.0
 
 
 def _bare(header: str) -> str:

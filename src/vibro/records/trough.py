@@ -36,6 +36,7 @@ from vibro.records.steadiness import (
     course_of_frequency,
     envelope_of,
     folding_onto,
+    gravity_notes,
     part_of,
     rate_of,
     room_of,
@@ -801,6 +802,8 @@ def _motion_in(
     factors = (1j * rates[:, None]) ** powers / mounting.errors.response(rates[:, None] / math.tau)
     sizes, order = noise.sizes[:significant] * factors, kept.count
     seen = abs(sizes[0]).tolist()
+    level = np.where(powers == 0, kept.level, np.nan)
+    notes = [] if [*signals] == [_ALONG] else gravity_notes(record, level, seen)
     if sizes.shape[1] == 1:
         other = math.tan(drive_angle or 0.0)
         is_along = _ALONG in signals
@@ -808,7 +811,6 @@ def _motion_in(
             sizes[:order], other if is_along else 1.0 / other, 1.0 if is_along else -1.0, mounting
         )
     else:
-        level = np.where(powers == 0, kept.level, np.nan)
         leads = 0 if _ALONG in signals else -1 if reverse else 1
         headers = [record.headers[name] for name in signals]
         placement = place(sizes[:order], level, rates[:order], mounting, headers, leads)
@@ -859,7 +861,6 @@ def _motion_in(
         return motion, envelope, change
     same = _same_drives(motion, rate) if stated is None else ""
     cause = f"{same}: give the frequency of the drive, {argument('frequency', '50')}; or " if same else ""
-    notes = []
     for channel, size in zip(signals, seen, strict=True):
         believable = frequency if rate >= TOL.slowest_rate else apparent(frequency, rate)
         notes += scale_notes(record, channel, size, believable, cause)
@@ -955,8 +956,9 @@ def _sampling_doubts(motion: MeasuredMotion, rate: float) -> list[str]:
 
 def _same_drives(motion: MeasuredMotion, rate: float) -> str:
     """Name drives above half a low sampling rate that would look the same; empty if there are none."""
-    others = folding_onto(motion.frequency, rate, TOL.highest_drive) if rate < TOL.hides_drives else []
-    if not others or rate < TOL.slowest_rate:
+    is_slow = TOL.slowest_rate <= rate < TOL.hides_drives
+    others = folding_onto(motion.frequency, rate, TOL.highest_drive) if is_slow else []
+    if not others:
         return ""
     size = 1e3 * float(np.linalg.norm([motion.along[0], motion.normal[0]])) * motion.frequency**2
     same = [f"{x:.4g} Hz ({size / x**2:.2g} mm)" for x in others[: TOL.drives_named]]
