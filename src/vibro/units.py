@@ -65,7 +65,8 @@ class Kind:
 
 
 _RMS: Final = Fraction(math.isqrt(2 * 10**80), 10**40)  # amplitude of a sine over its rms value
-_IN_G: Final = 1 / Fraction("9.80665")  # [g s^2/m] of the standard acceleration of gravity
+STANDARD_GRAVITY: Final = 9.80665  # [m/s^2] in a g
+_IN_G: Final = 1 / Fraction(str(STANDARD_GRAVITY))  # [g s^2/m]
 _MILLIMETRES: Final[Mapping[str, Fraction]] = {
     "mm": Fraction(1),
     "um": Fraction(1, 1000),
@@ -81,7 +82,7 @@ PERCENT: Final = Kind("%", "", "_percent", {"%": Fraction(1)}, per_si=100.0)
 # of a drive that is given in g, wherever it stands: the standard one, whatever the gravity of the scene
 IN_G: Final = Kind("g", "m/s^2", "_g",
                    {"g": Fraction(1), **dict.fromkeys(("m/s^2", "m/s2", "m/s\u00b2"), _IN_G)},
-                   per_si=float(_IN_G), si=9.80665, of_sine=True)
+                   per_si=float(_IN_G), si=STANDARD_GRAVITY, of_sine=True)
 IN_GRAVITIES: Final = Kind("g", "", "_g", {"g": Fraction(1)})  # an acceleration over that of gravity
 LENGTH: Final = Kind("mm", "m", "_mm", _MILLIMETRES, per_si=1000.0)
 SPEED: Final = Kind("mm/s", "m/s", "_mm_s",

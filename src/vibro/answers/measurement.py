@@ -14,6 +14,7 @@ from vibro.files.motions import harmonic_lists
 from vibro.quantities import QUANTITIES
 from vibro.records.reading import TOL
 from vibro.records.trough import MEASURED
+from vibro.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -51,7 +52,7 @@ _ERRORS: Final = {
     "gain": ("a gain error of {:.2g} %", 100.0),
     "cross": ("a cross-axis sensitivity of {:.2g} %", 100.0),
     "delay": ("{:.2g} us between the channels", 1e6),
-    "offset": ("an offset of {:.2g} mg", 1e3 / 9.80665),
+    "offset": ("an offset of {:.2g} mg", 1e3 / STANDARD_GRAVITY),
     "angle": ("an error of the drive angle of {:.2g} deg", math.degrees(1.0)),
     "amplitude": ("an error of the amplitude of {:.2g} %", 100.0),
 }
@@ -150,7 +151,7 @@ def _turn_facts(record: Record, motion: MeasuredMotion) -> list[Fact]:
         return []
     note = "as given"
     if found.by_gravity:
-        slope, offset = math.degrees(mounting.trough_angle), mounting.errors.offset / 9.80665e-3
+        slope, offset = math.degrees(mounting.trough_angle), 1e3 * mounting.errors.offset / STANDARD_GRAVITY
         note = f"from gravity, which is taken off: a trough at {slope:.3g} deg, offsets of {offset:.3g} mg"
     if not record.trough.keys() & {"trough_along", "trough_normal"}:  # axes that nobody named
         axis = record.headers[[*record.trough][found.nearest]]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from vibro.errors import InputError, cut, shown
 from vibro.records import clocks
-from vibro.units import LENGTH, SPEED
+from vibro.units import LENGTH, SPEED, STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from vibro.reals import Floats
@@ -52,7 +52,7 @@ SIGNAL_UNITS: Final[Mapping[str, Mapping[str, float]]] = {
     "displacement": _per_time("") | {"mil": 25.4e-6},
     "velocity": {u: float(size / 1000) for u, size in SPEED.sizes.items()}
     | {"ips": 0.0254, "mil/s": 25.4e-6},
-    "acceleration": {"m/s^2": 1.0, "g": 9.80665, "mg": 9.80665e-3, "ug": 9.80665e-6}
+    "acceleration": {"m/s^2": 1.0, "g": STANDARD_GRAVITY, "mg": 9.80665e-3, "ug": 9.80665e-6}
     | _per_time("/s^2")
     | {"Gal": 0.01},
     "force": {"N": 1.0, "mN": 1e-3, "kN": 1e3},

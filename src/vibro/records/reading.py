@@ -37,6 +37,7 @@ from vibro.records.channels import SIGNAL_UNITS as SIGNAL_UNITS
 from vibro.records.channels import signal_unit as signal_unit
 from vibro.records.formats import read_channels
 from vibro.records.texts import text_table
+from vibro.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from vibro.reals import Floats
@@ -122,14 +123,12 @@ class _Tolerances(NamedTuple):
     # Of a motion: the phase of a smaller component does not matter, and the motion cannot be scaled from it.
     least_component: float = 1e-3
 
-    most_acceleration: float = 50.0 * 9.80665  # [m/s^2] of a trough: more is refused,
+    most_acceleration: float = 50.0 * STANDARD_GRAVITY  # [m/s^2] of a trough: more is refused,
     most_speed: float = 10.0  # [m/s] as are a faster one
     most_amplitude: float = 0.1  # [m] and one that moves farther
     near_gravity: float = 0.03  # of gravity: distance of a mean that is taken for gravity in another unit,
-    most_beside_gravity: float = 20.0 * 9.80665  # [m/s^2] unless the motion would be larger in that unit
-    lowest_frequency: float = (
-        0.5  # [Hz] below it, or above the next, the unit of the time is the likely cause
-    )
+    most_beside_gravity: float = 20.0 * STANDARD_GRAVITY  # [m/s^2] unless the motion would be larger
+    lowest_frequency: float = 0.5  # [Hz] below it, or above the next, the time has the wrong unit
     most_frequency: float = 1000.0  # [Hz]
     usual_frequency: float = 1.0  # [Hz] up to the one before: where the unit of the time is sought
     slow_drive: float = 5.0  # [Hz] hardly a drive is slower: a lower frequency may be another one's

@@ -10,17 +10,16 @@ import numpy as np
 
 from vibro.errors import InputError, argument, cut, did_you_mean, shown
 from vibro.quantities import Quantity, Range, checked_number
-from vibro.units import ANGLE, FREQUENCY, PURE, TIME, Kind
+from vibro.units import ANGLE, FREQUENCY, PURE, STANDARD_GRAVITY, TIME, Kind
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from vibro.reals import Complexes, Floats
 
-_STANDARD_GRAVITY: Final = 9.80665  # [m/s^2] in a g
 _GS: Final = Kind(
     "g", "m/s^2", "_g", {"g": Fraction(1), "mg": Fraction(1, 1000), "m/s^2": 1 / Fraction("9.80665")},
-    per_si=1.0 / _STANDARD_GRAVITY, si=_STANDARD_GRAVITY,
+    per_si=1.0 / STANDARD_GRAVITY, si=STANDARD_GRAVITY,
 )  # fmt: skip
 _SHARE: Final = Range(0.0, 0.5)
 _TURN: Final = Range(0.0, 30.0)  # [deg] linear effects of a larger one would be wrong
@@ -70,7 +69,7 @@ class SensorErrors(NamedTuple):
     tilt: float = math.radians(1.0)
     gain: float = 0.03
     cross: float = 0.03
-    offset: float = 0.02 * _STANDARD_GRAVITY
+    offset: float = 0.02 * STANDARD_GRAVITY
     delay: float = 50e-6
     lowpass: float = math.inf
     angle: float = math.radians(1.0)
@@ -213,8 +212,8 @@ def place(
     in which they move most leads along it.
     """
     errors, count = mounting.errors, len(level)
-    ratio = float(np.linalg.norm(level)) / _STANDARD_GRAVITY
-    tolerance = max(_IS_G * math.hypot(errors.gain, errors.offset / _STANDARD_GRAVITY), _NEAR_G)
+    ratio = float(np.linalg.norm(level)) / STANDARD_GRAVITY
+    tolerance = max(_IS_G * math.hypot(errors.gain, errors.offset / STANDARD_GRAVITY), _NEAR_G)
     shows_gravity = abs(ratio - 1.0) <= tolerance
     by_gravity = shows_gravity and mounting.turned is None and "tilt" not in errors.stated
     if leads and not by_gravity:
@@ -258,7 +257,7 @@ def place(
     warnings = []
     if shows_gravity and not by_gravity:
         seen = turn(placed(0.0 * changes[0], by_gravity=True)[1])
-        most = math.hypot(errors.tilt, errors.offset / _STANDARD_GRAVITY, errors.cross)
+        most = math.hypot(errors.tilt, errors.offset / STANDARD_GRAVITY, errors.cross)
         if abs(seen - turn(axes)) > max(_SIGMAS * most, _LEVEL):
             at, said = (f"{math.degrees(x):.1f} deg" for x in (seen, turn(axes)))
             warnings.append(f"by gravity in the record the sensor is turned by {at}, not by {said}")

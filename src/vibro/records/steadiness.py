@@ -19,6 +19,7 @@ from scipy.special import chdtrc, fdtrc
 from vibro.errors import InputError, argument, shown
 from vibro.records.channels import AXES, SIGNAL_UNITS, signal_unit, unit_of_header
 from vibro.records.reading import TOL, Record, doubt, rounded
+from vibro.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from vibro.reals import Complexes, Floats
@@ -114,7 +115,7 @@ def scale_notes(record: Record, role: str, size: float, frequency: float, other:
         If a unit that was not typed is the likely cause.
     """
     limits = (
-        (TOL.most_acceleration, 0, 9.80665, "g"),
+        (TOL.most_acceleration, 0, STANDARD_GRAVITY, "g"),
         (TOL.most_speed, 1, 1.0, "m/s"),
         (TOL.most_amplitude, 2, 1.0, "m"),
     )
@@ -172,11 +173,12 @@ def gravity_notes(record: Record, level: Floats, sizes: Sequence[float]) -> list
     said = _unit_size(record, up)
     for unit in _OF_GRAVITY:
         size = SIGNAL_UNITS["acceleration"][unit] / said
-        is_gravity = abs(mean * size / 9.80665 - 1.0) <= TOL.near_gravity
+        is_gravity = abs(mean * size / STANDARD_GRAVITY - 1.0) <= TOL.near_gravity
         if size == 1.0 or not is_gravity or max(sizes) * size > TOL.most_beside_gravity:
             continue
         named = ", ".join(shown(record.headers[role]) for role in roles)
-        text = f"column {named}: the mean is {mean / 9.80665:.3g} g, which is gravity if the unit is {unit}"
+        seen = f"column {named}: the mean is {mean / STANDARD_GRAVITY:.3g} g"
+        text = f"{seen}, which is gravity if the unit is {unit}"
         if up in record.believed:
             return [f"{text}, but {record.believed[up]} is taken, as it is given"]
         if not record.sensitivities:

@@ -24,7 +24,7 @@ from vibro.errors import InputError, argument, shown
 from vibro.quantities import AMPLITUDES, DRIVES, ELLIPTICAL, LINEAR, MOST_HARMONICS, QUANTITIES
 from vibro.reals import shielded
 from vibro.records.alignment import Estimate, Repetition, below, harmonics, independent_share, regress
-from vibro.records.reading import SIGNAL_UNITS, TOL, Record, doubt, read_record, read_sensitivities, rounded
+from vibro.records.reading import TOL, Record, doubt, read_record, read_sensitivities, rounded
 from vibro.records.sensors import Mounting, Placement, place, place_one, read_sensor_errors
 from vibro.records.steadiness import (
     STEADY_HINT,
@@ -45,6 +45,7 @@ from vibro.records.steadiness import (
 )
 from vibro.scene import Scene
 from vibro.steady import solve
+from vibro.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from os import PathLike
@@ -54,7 +55,6 @@ if TYPE_CHECKING:
 _ALONG, _NORMAL, _ACROSS = "trough_along", "trough_normal", "trough_across"
 _EXACT: Final = Mounting()
 _TRENDS: Final = 2  # offset, with gravity's part in it, and slow drift of the sensor
-_G: Final = SIGNAL_UNITS["acceleration"]["g"]
 _SEED: Final = 1
 
 
@@ -977,7 +977,7 @@ def _sensor_doubts(motion: MeasuredMotion) -> list[str]:
             found.append(f"{text} and does it point the right way?")
             continue
         if size > TOL.usual_acceleration:
-            usual = f"{size / _G:.3g} g is more than conveyors usually have"
+            usual = f"{size / STANDARD_GRAVITY:.3g} g is more than conveyors usually have"
             found.append(f"{text}{usual}: {doubt(sensor.sensitivity)}")
         if sensor.rest > TOL.much_rest:
             share = f"the residual has {100.0 * sensor.rest:.0f} % of the fundamental"
