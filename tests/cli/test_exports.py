@@ -9,6 +9,7 @@ import time
 from pathlib import Path
 from typing import Final
 
+from helpers.cases import each
 from helpers.commands import Run
 from helpers.damaged import damaged
 from helpers.exports import AMPLITUDE_MM, ANGLE_DEG, FREQUENCY, Export, binary_exports, text_exports
@@ -85,3 +86,14 @@ def test_damaged_files_are_refused_or_measured(run: Run) -> None:
         if time.process_time() - began > LONGEST:
             wrong[export.name] = "takes too long"
     assert not wrong
+
+
+@each("text", ["9", "1,", "a ", "a[", ")", '"', "1'000", "0."])
+def test_lines_of_many_characters_end_well_at_once(run: Run, text: str) -> None:
+    """Above the names of the columns and amid the data; what is done with every position takes minutes."""
+    export = next(one for one in text_exports() if one.name == "TwinCAT Scope, EOF")
+    lines, long = export.content.splitlines(), text.encode() * 150_001
+    Path(export.file).write_bytes(b"\n".join([long, *lines[:500], long, *lines[500:]]))
+    began = time.process_time()
+    end(run, "measure", export.file, *export.typed, "--json")
+    assert time.process_time() - began < LONGEST

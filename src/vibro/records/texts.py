@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import io
 import re
@@ -21,12 +22,17 @@ from vibro.records.clocks import CLOCK
 from vibro.records.formats import lvm_table
 
 _LOOKED_AT, _HEADERS = 300, 20  # rows of data and above it, and of those that may be headers
+_LONG: Final = 10_000  # characters of a row whose cells are counted first: pandas takes a minute for 300 000
 #: What parts cells, in the order in which it is tried, and its name; a space stands for any number of them.
 _SEPARATORS: Final = {";": "semicolons", "\t": "tabs", ",": "commas", " ": "spaces", "": ""}
 _APART: Final = re.compile(r'"[^"]*"|\S+')
 #: Names of columns apart by spaces, which have them before a unit in brackets too: ``t [s] ax [m/s^2]``.
-_NAMES: Final = re.compile(r'(?:"[^"]*"|[^\s\[("]+)(?:\s*(?:\[[^\]]*\]|\([^)]*\)))?')
-_WORDY: Final = re.compile(r"[^\[(]+(?:\[[^\]]*\]|\([^)]*\))")  # Acc X [g] Acc Z [g]
+_BRACKETED: Final = (
+    r"(?:\[[^\]]{0,200}\]|\([^)]{0,200}\))"  # not to the end of a line of a million characters
+)
+_NAMES: Final = re.compile(rf'(?:"[^"]*"|[^\s\[("]+)(?:\s*{_BRACKETED})?')
+#: Acc X [g] Acc Z [g]. One begins behind a bracket, so that a long line without any is looked at once.
+_WORDY: Final = re.compile(rf"(?:^|(?<=[\[\](\)]))[^\[(]{{1,200}}{_BRACKETED}")
 _COMMENT: Final = re.compile(r"^\s*(?:[#%;!*]+|//+)\s*")
 _UNIT: Final = re.compile(r"\[(.*)\]|\((.*)\)|([^\[\]]{1,12})")  # a cell that holds nothing else
 _OTHER_UNIT: Final = re.compile(r"°[CF]?|%|k?Hz|rpm|deg(?:/s)?|rad(?:/s)?|[kM]?Pa|bar|m?A|k?W|kg|Nm|K|dB")
@@ -70,7 +76,8 @@ def _cells(line: str, separator: str) -> list[str]:
     if separator == " ":
         return [word.strip('"') for word in _APART.findall(line)]
     if '"' in line and separator:
-        return [cell.strip() for cell in next(csv.reader([line], delimiter=separator), [])]
+        with contextlib.suppress(csv.Error):  # a quote that nothing closes before 131 072 characters
+            return [cell.strip() for cell in next(csv.reader([line], delimiter=separator), [])]
     return [cell.strip() for cell in (line.split(separator) if separator else [line])]
 
 
@@ -255,6 +262,7 @@ def _columns(
     separator, own = layout.separator or "\x1f", [lines[i] for i in data]
     if separator == " ":  # no telling which cells of a short row are missing
         own = ["-" if len(line.split()) < layout.width else line for line in own]
+    _refuse_wider_rows(path, layout, [line if len(line) > _LONG else "" for line in own], data)
     body = "\n".join(own)
     if '"' in body:
         body, separator = "\n".join(["\t".join(layout.cells(line)) for line in own]), "\t"
@@ -268,13 +276,8 @@ def _columns(
                 skipinitialspace=True, skip_blank_lines=False, quoting=csv.QUOTE_NONE, low_memory=False,
             )  # fmt: skip
     except (pd.errors.ParserError, pd.errors.ParserWarning):  # of a line with more cells, which may be empty
-        rows = [layout.cells(line) for line in own]
-        wide = next((i for i, cells in enumerate(rows) if any(cells[layout.most :])), None)
-        if wide is not None:
-            where = f"{path}: row {data[wide] + 1} has {len(rows[wide])} cells, others have {layout.most}"
-            hint = "delete what does not belong to it; decimal commas need semicolons between the cells"
-            raise InputError(where, hint=hint) from None
-        own = ["\t".join(cells[: layout.most]) for cells in rows]
+        _refuse_wider_rows(path, layout, own, data)
+        own = ["\t".join(layout.cells(line)[: layout.most]) for line in own]
         return _columns(path, layout._replace(separator="\t"), own, [*range(len(own))])
     columns = []
     for _, column in frame.items():
@@ -282,6 +285,16 @@ def _columns(
             column = column.astype(object).map(lambda cell: str(cell).strip(), na_action="ignore").fillna("")
         columns.append(column.to_numpy())
     return columns, decimals
+
+
+def _refuse_wider_rows(path: Path, layout: _Layout, lines: Sequence[str], data: list[int]) -> None:
+    """Refuse rows of data that have more cells than the others, unless these are empty."""
+    for i, line in enumerate(lines):
+        cells = layout.cells(line)
+        if any(cells[layout.most :]):
+            where = f"{path}: row {data[i] + 1} has {len(cells)} cells, others have {layout.most}"
+            hint = "delete what does not belong to it; decimal commas need semicolons between the cells"
+            raise InputError(where, hint=hint) from None
 
 
 def _with_decimal_points(path: Path, body: str, separator: str, data: list[int]) -> tuple[str, str]:
