@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import doctest
-import math
 import re
 from dataclasses import fields, is_dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 from helpers.key_tables import PAGES as KEY_PAGES
 from helpers.key_tables import page_with as page_with_keys
@@ -166,44 +164,6 @@ def test_every_quantity_of_the_reference_is_explained() -> None:
     for row in (*rows(COLUMNS), *rows(SYMBOLS)):
         assert len(row) == 4
         assert all(row), row
-
-
-def test_the_rule_of_thumb_stands_beside_what_is_computed() -> None:
-    table = re.search(r"^\| \$K\$ \|.*3\.29 \|$\n.*\n((?:\|.*\n)+)", THEORY, flags=re.MULTILINE)
-    assert table is not None
-    throw = np.array([float(cell) for cell in table[0].splitlines()[0].split("|")[2:-1]])
-    seen = 0
-    for row in table[1].splitlines():
-        name, *cells = (cell.strip() for cell in row.strip("|").split("|"))
-        scene = re.fullmatch(r"\$\\alpha=(\d+)°\$, \$\\mu=([\d.]+)/([\d.]+)\$", name)
-        printed = np.array(cells, float)
-        if scene is None:
-            continue
-        alpha, frequency = math.radians(float(scene[1])), 20.0
-        w = 2 * math.pi * frequency
-        amplitude = throw / math.sin(alpha) * 9.81 / w**2
-        cycle = vibro.solve(
-            vibro.Scene(
-                amplitude=amplitude,
-                frequency=frequency,
-                drive_angle=alpha,
-                static_friction=float(scene[2]),
-                kinetic_friction=float(scene[3]),
-            )
-        )
-        np.testing.assert_allclose(
-            cycle.mean_velocity / (amplitude * w * math.cos(alpha)), printed, atol=5.001e-4
-        )
-        # the ideal-sticking row, from the flight times that the solver found
-        ideal = math.pi * cycle.flight_fraction**2 / throw
-        np.testing.assert_allclose(ideal, _row(table[1], "(39)"), atol=5.001e-4)
-        seen += 1
-    assert seen == 3
-
-
-def _row(table: str, name: str) -> list[float]:
-    (line,) = (line for line in table.splitlines() if name in line)
-    return [float(cell) for cell in line.strip("|").split("|")[1:]]
 
 
 @pytest.mark.parametrize("path", sorted((ROOT / "docs" / "images").glob("*.png")), ids=lambda path: path.name)
