@@ -113,7 +113,7 @@ def test_the_feeder_cannot_and_the_tour_says_how_far_it_gets(tmp_path: Path) -> 
     # of parts that do not bounce: a band of restitution takes minutes
     question, text = tmp_path / "feeder.toml", (EXAMPLES / "design_feeder.toml").read_text(encoding="utf-8")
     question.write_text(text.replace("[scene]\n", "[scene]\nrestitution = 0\n"), encoding="utf-8")
-    precise = ("design", question, "--digits", 9, "--all")
+    precise = ("design", question, "--digits", 9, "--other-regimes")
     result = run(*precise)
     assert result.exit_code == 4, result.stderr
     said = result.stdout.split("\n\n")[1]

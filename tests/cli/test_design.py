@@ -64,10 +64,20 @@ def test_the_files_of_an_ellipse(run: Run, monkeypatch: pytest.MonkeyPatch) -> N
 
 def test_json_is_the_answer_alone(ask: Callable[..., Any]) -> None:
     for met, code in ((True, 0), (False, 4)):
-        result = ask("--all", "--json", met=met)
+        result = ask("--other-regimes", "--json", met=met)
         assert (result.exit_code, result.stderr) == (code, "")
         found = json.loads(result.stdout)
         assert {key: found[key] for key in ("met", "designs")} == answer(met=met).to_dict()
+        assert found["choices"] == [
+            {
+                "drive": "motor", "amplitude_mm": "at most 3", "frequency_hz": "10:30",
+                "drive_angle_deg": "5:45", "acceleration_g": "at most 4",
+            },
+            {
+                "drive": "magnet", "amplitude_mm": "at most 0.8", "frequency_hz": "50, 100",
+                "drive_angle_deg": "exactly 20",
+            },
+        ]  # fmt: skip
         assert found["chosen"] == {"drive": "motor", "design": "safest" if met else "fastest"}
         assert [row["begins"] for row in found["loads"]] == [
             "the first part slips back", "the first part hops", "the last part starts",
@@ -78,13 +88,13 @@ def test_json_is_the_answer_alone(ask: Callable[..., Any]) -> None:
 
 
 def test_the_files(ask: Callable[..., Any]) -> None:
-    result = ask("--all", "-o", "out/nut", "-o", "out/nut.html", "--json")
+    result = ask("--other-regimes", "-o", "out/nut", "-o", "out/nut.html", "--json")
     assert result.exit_code == 0
     names = ["nut.csv", "nut.html", "nut-regime.png", "nut-speed.png", "nut-band.png", "nut.json"]
     assert sorted(path.name for path in Path("out").iterdir()) == sorted(names)
     content = json.loads(Path("out/nut.json").read_text(encoding="utf-8"))
     assert content["version"] == vibro.__version__
-    typed = ["design", "nut.toml", "--all", "-o", "out/nut", "-o", "out/nut.html", "--json"]
+    typed = ["design", "nut.toml", "--other-regimes", "-o", "out/nut", "-o", "out/nut.html", "--json"]
     assert content["argv"] == ["vibro", *typed]
     assert content["spec"] == read_toml(Path("nut.toml"))
     assert content["files"] == names
@@ -131,8 +141,11 @@ def test_a_question_in_stroke_is_answered_in_stroke(run: Run, monkeypatch: pytes
 
 
 def test_other_regimes_are_searched_on_request(ask: Callable[..., Any]) -> None:
-    for more, regimes in (((), {"forward-slip"}), (("--all",), {"forward-slip", "back-slip", "hopping"})):
-        assert ask(*more, "-o", "nut", "--force").exit_code == 0
+    for more, regimes in (
+        ("--all", {"forward-slip"}),
+        ("--other-regimes", {"forward-slip", "back-slip", "hopping"}),
+    ):
+        assert ask(more, "-o", "nut", "--force").exit_code == 0
         table = rows_of(Path("nut.csv").read_text(encoding="utf-8"))
         designs = json.loads(Path("nut.json").read_text(encoding="utf-8"))["designs"]
         for written in (table, designs):
@@ -155,6 +168,8 @@ def test_the_page(met: bool, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     )
     assert float(per_minute) == pytest.approx(0.06 * float(least), rel=1e-3)
     assert ("nearest drive" in read.text) is not met
+    assert "amplitude at most 3 mm, frequency 10:30 Hz, drive angle 5:45 deg" in read.text
+    assert any('amplitude_mm = "at most 0.8"' in cell for row in read.rows for cell in row)
     assert "i" not in read.tags
     assert read.tags.count("figure") == 2
 

@@ -113,6 +113,57 @@ def test_drives(key: str, value: Any, field: str, expected: Any) -> None:
     assert (drive.name if field == "name" else drive.choices[field]) == expected
 
 
+_SIZES = ("amplitude_mm", "stroke_mm", "setting_percent", "along_amplitude_mm", "normal_amplitude_mm")
+_MACHINE = {"kind": "unbalance", "vibrating_mass_kg": 120, "motors": 2, "static_moment_kg_mm": 95}
+_OVAL = {"along_amplitude_mm": 0.2, "normal_amplitude_mm": 0.1, "normal_phase_deg": 0, "frequency_hz": 50}
+_SERVO = {"along_steps": [[0.8, 1.5], [0.2, -6]], "motion_scale": 1, "frequency_hz": 2}
+_LINE = {"frequency_hz": 50, "drive_angle_deg": 20}
+_WAYS = (
+    {"amplitude_mm": 0.2, **_LINE}, {"stroke_mm": 0.4, **_LINE}, _OVAL, _SERVO,
+    {**_MACHINE, "setting_percent": 80, **_LINE},
+)  # fmt: skip
+
+
+@given(st.data())
+def test_a_number_alone_means_what_the_answer_says_and_a_word_says_the_same(data: st.DataObject) -> None:
+    """At most of amplitudes, strokes and settings of a drive, exactly of all else that may be chosen."""
+    way: Any = data.draw(st.sampled_from(_WAYS))
+    key = data.draw(
+        st.sampled_from([key for key in way if isinstance(way[key], int | float) and key not in _MACHINE])
+    )
+    number = float(f"{way[key] * data.draw(st.floats(0.5, 1.5)):.{data.draw(st.integers(2, 12))}g}")
+
+    def read(value: Any, **more: Any) -> Drive:
+        return read_spec({**GOOD, "drive": [{**way, key: value, **more}]}).drives[0]
+
+    alone = read(number)
+    usual = "at most" if key in ("amplitude_mm", "stroke_mm", "setting_percent") else "exactly"
+    space, case = data.draw(st.sampled_from([" ", "  "])), data.draw(st.sampled_from([str.upper, str.lower]))
+    worded = f"{case(usual)}{space}{number!r}"
+    assert alone.choices == read(worded).choices
+    assert read(f"exactly {number!r}").choices == read(f"{number!r}:{number!r}").choices
+    if key in _SIZES:
+        assert read(f"at most {number!r}").choices == read(f"0:{number!r}").choices
+    # what the answer says of every quantity is a file's text, and means the same
+    assert alone.chosen_from[key] == f"{usual} {number:.15g}"
+    for drive in (
+        alone,
+        read(f"{0.5 * number!r}:{number!r}"),
+        read(f"exactly {number!r}", acceleration_g=1e6),
+    ):
+        said = {**way, **drive.chosen_from}
+        back = read_spec({**GOOD, "drive": [said]}).drives[0]
+        assert back.chosen_from == drive.chosen_from
+        for name, ranges in drive.choices.items():
+            np.testing.assert_allclose(back.choices[name], ranges, rtol=1e-14)
+
+
+def test_limits_may_be_said_in_words() -> None:
+    plain = changed(drive__acceleration_g=4, goal__speed_mm_s=80, goal__impact_speed_mm_s=100)
+    words = {"drive__acceleration_g": "at most 4", "goal__speed_mm_s": "at least 4.8m/min"}
+    assert read_spec(changed(**words, goal__impact_speed_mm_s="at most 0.1m/s")) == read_spec(plain)
+
+
 def test_a_single_drive_may_be_a_table_of_its_own() -> None:
     assert read_spec(changed(drive=GOOD["drive"][0])) == read_spec(GOOD)
 

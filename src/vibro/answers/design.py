@@ -10,7 +10,8 @@ from vibro.answers.answer import METRES_PER_MINUTE, Answer, Fact, Table, bound, 
 from vibro.core.codes import Regime
 from vibro.designs.design import at_most
 from vibro.designs.rows import KINDS
-from vibro.quantities import BY_COLUMN, LEAST_SPEED, QUANTITIES
+from vibro.files.descriptions import DESIGN_FILE
+from vibro.quantities import BY_COLUMN, LEAST_SPEED, LOAD, QUANTITIES
 from vibro.results.designs import DESIGN_COLUMNS
 from vibro.units import LENGTH, SPEED
 
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 
     from vibro.answers.answer import Value
     from vibro.designs.design import Chosen
-    from vibro.designs.questions import Spec
+    from vibro.designs.questions import Drive, Spec
     from vibro.results.designs import Design, DesignResult
 
 _ALLOWED: Final = {regime.label: at_most(regime) for regime in Regime}
@@ -101,7 +102,8 @@ def design_answer(
     met = [d.drive for d in _of(result, "gentlest", goal) if d.frequency_hz is not None]
     facts = [Fact("goal", _goal(spec)), Fact("met by", ", ".join(met) or "no drive")]
     facts += [*_chosen(spec, result, chosen), *_given(question)]
-    record = {"met": result.met, "chosen": found, "designs": result.to_dict()["designs"]}
+    choices = [{"drive": drive.name, **drive.chosen_from} for drive in spec.drives]
+    record = {"met": result.met, "chosen": found, "choices": choices, **result.to_dict()}
     return Answer(facts, [table for table in tables if table.rows], _notes(result), record, spec.name)
 
 
@@ -127,10 +129,12 @@ def goal_text(spec: Spec, chosen: Chosen) -> str:
 
 
 def _given(question: Mapping[str, Any]) -> Iterator[Fact]:
-    """Repeat the tables of the question, but for the goal."""
+    """Repeat the tables of the question, but for the goal, and say what a number alone means."""
     for name, tables in question.items():
+        entries = DESIGN_FILE.tables[name].entries
         for table in tables if isinstance(tables, list) else [tables] * (name != "goal"):
-            pairs = (f"{key} = {json.dumps(value, ensure_ascii=False)}" for key, value in table.items())
+            plain = {key: entries[key].form.plain(value) for key, value in table.items()}
+            pairs = (f"{key} = {json.dumps(value, ensure_ascii=False)}" for key, value in plain.items())
             yield Fact(name, ", ".join(pairs), is_rare=True)
 
 
@@ -208,7 +212,7 @@ def _designs(spec: Spec, result: DesignResult) -> Iterator[Table]:
     """Make the tables of designs: the fastest if none meets the goal, and those of each drive."""
     goal = spec.goal.highest_regime.label
     if not result.met:
-        reached = {design.drive: design for design in _of(result, "fastest", goal)}
+        reached = {(design.drive, ""): design for design in _of(result, "fastest", goal)}
         yield _table(
             "The fastest of each drive, and the nearest drive that meets the goal", _REACHED, reached
         )
@@ -216,26 +220,47 @@ def _designs(spec: Spec, result: DesignResult) -> Iterator[Table]:
     kinds = KINDS if spec.has_bands else KINDS[:2]
     for drive in spec.drives:
         found = {
-            d.design if d.highest_regime == goal else f"{d.design}, {_ALLOWED[d.highest_regime]}": d
+            (d.design, "" if d.highest_regime == goal else _ALLOWED[d.highest_regime]): d
             for d in result.designs
             if d.drive == drive.name and d.design in kinds and d.frequency_hz is not None
         }
-        missed = "fastest" in found and "gentlest" not in found
-        title = f"{drive.name}, less than {_speed(spec.goal.speed)}" if missed else drive.name
+        missed = ("fastest", "") in found and ("gentlest", "") not in found
+        title = f"{drive.name}{f' (less than {_speed(spec.goal.speed)})' * missed}: {_choices(drive)}"
         quantities = [given.quantity for given in drive.inputs.values()]
         settings = {quantity.column: quantity.label for quantity in quantities}
         yield _table(title, {**settings, **_USUAL}, found)
         yield _table(f"{drive.name}, other numbers", _RARE, found, is_rare=True)
 
 
+def _choices(drive: Drive) -> str:
+    """Say what may be chosen of a drive."""
+    quantities = {q.column: q for q in (*(given.quantity for given in drive.inputs.values()), LOAD)}
+    return ", ".join(
+        f"{quantities[key].label} {choice} {quantities[key].unit}".rstrip()
+        for key, choice in drive.chosen_from.items()
+    )
+
+
 def _table(
-    title: str, columns: Mapping[str, str], designs: Mapping[str, Design], *, is_rare: bool = False
+    title: str,
+    columns: Mapping[str, str],
+    designs: Mapping[tuple[str, str], Design],
+    *,
+    is_rare: bool = False,
 ) -> Table:
-    """Make a table of some columns of designs, by what people call them; JSON has them already."""
+    """Make a table of some columns of designs, by what people call them; JSON has them already.
+
+    Each is named by its kind, or drive, and by what may happen, if that is another regime than the goal's.
+    Those with the same values are one row.
+    """
     heads = [("design", ""), *((label, _UNITS.get(column, "")) for column, label in columns.items())]
+    same: dict[tuple[Value, ...], dict[str, list[str]]] = {}
+    for (kind, allowed), design in designs.items():
+        cells = tuple(_cell(column, _value(design, column, is_rare=is_rare)) for column in columns)
+        same.setdefault(cells, {}).setdefault(allowed, []).append(kind)
     rows = [
-        (name, *(_cell(column, _value(design, column, is_rare=is_rare)) for column in columns))
-        for name, design in designs.items()
+        ("; ".join(", ".join(filter(None, [*kinds, allowed])) for allowed, kinds in names.items()), *cells)
+        for cells, names in same.items()
     ]
     return Table("designs", heads, rows, title, is_rare)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Annotated, Final
 
 from vibro.cli.exit_codes import ExitCode
-from vibro.cli.options import Options, option, rare
+from vibro.cli.options import AllOption, Options, option, rare
 from vibro.errors import InputError
 
 if TYPE_CHECKING:
@@ -25,7 +25,10 @@ _SHOWN: Final = {
 
 def design_command(
     options: Options,
-    every: Annotated[bool, option("all", "Search other regimes too, and print all that is known.")] = False,
+    every: AllOption = False,
+    other_regimes: Annotated[
+        bool, option("other-regimes", "Search within other highest regimes too, for comparison.")
+    ] = False,
     digits: Annotated[
         str | None,
         rare(
@@ -37,7 +40,8 @@ def design_command(
 ) -> int:
     """Find drive settings that convey every part at least at a required speed, for all its frictions.
 
-    The design file gives parts and trough as bands lo:hi, the range and drift of each drive, and the goal.
+    The design file gives parts and trough as bands lo:hi, the drives, their drifts, and the goal. What may be
+    chosen of a drive is "at most 3", "exactly 50", "10:30" (all between) or "50, 100" (one of these).
     For every drive three designs are printed: the gentlest (least acceleration) that meets the goal, the
     fastest, and the safest. If no drive meets the goal, the closest ones are, and the exit code is 4.
     """
@@ -62,7 +66,10 @@ def design_command(
     with Outputs(options, f"{spec.name}-design", pictures=DESIGN_PICTURES) as output:
         with console.progress("searching", None) as report:
             result = find_designs(
-                spec, lambda done, total, what: report(done, what, total), digits=count, goal_only=not every
+                spec,
+                lambda done, total, what: report(done, what, total),
+                digits=count,
+                goal_only=not other_regimes,
             )
             chosen = chosen_of(spec, result)
         question = read_toml(source)

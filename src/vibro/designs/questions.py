@@ -12,6 +12,7 @@ import numpy as np
 from vibro.core.codes import Regime
 from vibro.designs.guarantees import ANY_LANDING, Landings, counted
 from vibro.designs.spaces import SPACES, TOLERANCES, MotionSpace, UncertaintySet, cut, off
+from vibro.files.entries import AT_MOST, EXACTLY
 from vibro.limits import stays_upright
 from vibro.quantities import LOAD, QUANTITIES, STANDARD_GRAVITY
 from vibro.scene import Scene
@@ -38,6 +39,8 @@ ASSUMED_RESTITUTION: Final = (0.0, 0.5)
 MOST_DIGITS: Final = 15
 # [1] Distance from an end that is none: above the rounding of an optimum there, below all digits chosen.
 _AT_END: Final = 1e-9
+# quantities whose smallest value is none
+_FROM_NOTHING: Final = ("amplitude", "stroke", "setting", "along_amplitude", "normal_amplitude")
 # damping ratios from resonance within which damping decides much of the amplitude
 _NEAR_RESONANCE: Final = 2.0
 
@@ -220,6 +223,19 @@ class Input:
         return min(max(value, low), high)
 
     @property
+    def choice(self) -> str:
+        """What may be chosen, as files have it: ``at most 3``, ``exactly 50``, ``10:30`` or ``50, 100``."""
+        spans = [
+            [f"{nearest(float(self.printed(x)), MOST_DIGITS):.15g}" for x in ends] for ends in self.ranges
+        ]
+        if len(spans) > 1:
+            return ", ".join(low for low, _ in spans)
+        ((low, high),) = spans
+        if low == high:
+            return f"{EXACTLY} {low}"
+        return f"{AT_MOST} {high}" if low == "0" and self.name in _FROM_NOTHING else f"{low}:{high}"
+
+    @property
     def doubt(self) -> str:
         """Warning about ranges that are possible, but as a whole a likely slip of units; else empty."""
         ends = min(low for low, _ in self.ranges), max(high for _, high in self.ranges)
@@ -271,6 +287,13 @@ class Drive:
     def frequency(self) -> tuple[Span, ...]:
         """All ranges of its frequency [Hz]."""
         return self.choices["frequency"]
+
+    @property
+    def chosen_from(self) -> dict[str, str]:
+        """What may be chosen of each quantity, by its key in a file."""
+        choices = {given.quantity.column: given.choice for given in self.inputs.values()}
+        most = self.acceleration if self.machine is None else self.machine.acceleration
+        return choices | ({LOAD.column: f"{AT_MOST} {most:.15g}"} if math.isfinite(most) else {})
 
     @cached_property
     def inputs(self) -> dict[str, Input]:

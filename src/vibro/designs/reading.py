@@ -35,6 +35,7 @@ _MOST_LOAD: Final = 1e9
 _LINE: Final = (*LINEAR, "stroke")
 # Stands for a motion that is refused, so that the rest is checked.
 _UNREAD: Final = Motion.harmonics(along=[(1e-3, 0.0)])
+_SETTING: Final = QUANTITIES["setting"].column
 _SEVERAL: Final = ("frequency", "drive_angle")  # knobs that may have several ranges
 _PAIRS: Final = "either amplitude_mm and drive_angle_deg, or along_amplitude_mm and normal_amplitude_mm"
 
@@ -170,7 +171,8 @@ def _drives(
     drives: list[Drive] = []
     with problems.taken(f"{table.heading} "):
         values = {name: table.values[name] for name in keys.values()}
-        given = given_machine({key: table.given[key] for key in keys}, values, folder)
+        choices = {_SETTING: 100.0} if _SETTING in keys else {}  # no setting of its own
+        given = given_machine({key: table.given[key] for key in keys} | choices, values, folder)
         drives += machine_drives(table, given, usual_name, drift)
     return drives
 

@@ -34,6 +34,10 @@ Span = tuple[float, float]
 
 # Matches the beginning of a name in the friction catalogue, but not of a number.
 _NAME: Final = re.compile(r"\s*(?!(nan|inf|infinity)\b)[^\W\d_]", re.IGNORECASE)
+#: Words before a number: what it means for a value that is chosen.
+AT_MOST, AT_LEAST, EXACTLY = WORDS = ("at most", "at least", "exactly")
+_OTHER_WORD: Final = re.compile(rf"{_NAME.pattern}|\s*[<>=\u2264\u2265~]", re.IGNORECASE)
+_WORDED: Final = re.compile(rf"\s*({'|'.join(WORDS)})\b(.*)".replace(" ", r"\s+"), re.IGNORECASE | re.DOTALL)
 
 
 class Form(NamedTuple):
@@ -47,9 +51,9 @@ class Form(NamedTuple):
         ``read(quantity, value)`` returns an axis, or lists as given, for scene files, SI units for designs.
         It raises ValueError for a value of another form, InputError for one that is not allowed.
     spellings : tuple of str
-        How it may be written: ``number``; as a text a number with a unit (``text``), ``lo:hi`` (``ends``),
-        ``a,b,c`` (``listed``), an ``axis``, the ``name`` of a row of the catalogue or any ``line``; a
-        ``list`` of these, a list of a ``single`` one, or ``rows``.
+        How it may be written: ``number``; as a text a number with a unit (``text``), that after one of
+        ``WORDS``, ``lo:hi`` (``ends``), ``a,b,c`` (``listed``), an ``axis``, the ``name`` of a row of the
+        catalogue or any ``line``; a ``list`` of these, a list of a ``single`` one, or ``rows``.
     example : str
         How such a value is written, for hints.
     words : mapping of str
@@ -60,6 +64,8 @@ class Form(NamedTuple):
         Least and largest length of a list of numbers, or of rows of them.
     columns : tuple of Kind
         Units of the numbers in each row.
+    alone : str
+        What a number without such a word means; empty where no word may stand before it.
     """
 
     says: str
@@ -70,6 +76,13 @@ class Form(NamedTuple):
     table: TableKind | None = None
     rows: tuple[int, int] = (0, 0)
     columns: tuple[Kind, ...] = ()
+    alone: str = ""
+
+    def plain(self, value: Any) -> Any:
+        """Return a value of a file with what a number alone means written before it."""
+        marks = ":," if "listed" in self.spellings else ":"
+        is_several = isinstance(value, list | tuple) or any(mark in f"{value}" for mark in marks)
+        return value if not self.alone or is_several or _worded(value)[0] else f"{self.alone} {value}"
 
 
 class Entry(NamedTuple):
@@ -301,14 +314,71 @@ def _friction(quantity: Quantity, value: Any) -> Span | str:
     return value if isinstance(value, str) and _NAME.match(value) else _band(quantity, value)
 
 
+def _worded(value: Any) -> tuple[str, Any]:
+    """Part a text into the word before its number, if there is one, and the rest."""
+    found = _WORDED.fullmatch(value) if isinstance(value, str) else None
+    if found:
+        return " ".join(found[1].casefold().split()), found[2].strip()
+    if isinstance(value, str) and _OTHER_WORD.match(value):
+        raise ValueError
+    return "", value
+
+
+def _after_word(quantity: Quantity, value: str, number: str) -> float:
+    """Read the number after a word; ``value`` is the whole text."""
+    if ":" in number or not number:
+        raise ValueError
+    return _checked(quantity, value, [_double(quantity, number)])[0]
+
+
+def _bound(of: str) -> Callable[[Quantity, Any], float]:
+    """Return what reads a number, the least or the largest value, after its word or alone."""
+
+    def read(quantity: Quantity, value: Any) -> float:
+        word, number = _worded(value)
+        if word not in ("", of):
+            raise ValueError
+        return _after_word(quantity, value, number) if word else _number(quantity, value)
+
+    return read
+
+
 def _limits(quantity: Quantity, value: Any) -> Span:
-    """Read the largest value, or ``lo:hi`` where lo may be 0."""
+    """Read ``at most hi``, which a number alone means too, ``exactly x``, or ``lo:hi`` where lo may be 0."""
+    word, number = _worded(value)
+    if word == AT_MOST:
+        return 0.0, _after_word(quantity, value, number)
+    if only := _only(quantity, value):
+        return only
     *low, high = ends_of(quantity, value)
     return _checked(quantity, value, low)[0] if any(low) else 0.0, _checked(quantity, value, [high])[0]
 
 
+def _size(quantity: Quantity, value: Any) -> Span:
+    """Read ``exactly x``, which a number alone means too, ``at most hi``, or ``lo:hi``."""
+    return _limits(quantity, value) if _worded(value)[0] else _band(quantity, value)
+
+
+def _span(quantity: Quantity, value: Any) -> Span:
+    """Read ``exactly x``, which a number alone means too, or ``lo:hi``."""
+    return _only(quantity, value) or _band(quantity, value)
+
+
+def _only(quantity: Quantity, value: Any) -> Span | None:
+    """Read ``exactly x``; return None of a value without a word, and refuse another word."""
+    word, number = _worded(value)
+    if word == AT_MOST:
+        hint = f'write {quantity.column} = "lo:hi", from the least to the largest'
+        raise _refusal(quantity, value, "a least value is needed too", hint)
+    if word == AT_LEAST:
+        raise ValueError
+    return (_after_word(quantity, value, number),) * 2 if word else None
+
+
 def _choices(quantity: Quantity, value: Any) -> tuple[Span, ...]:
-    """Read a number, an ascending list, or ``lo:hi``."""
+    """Read ``exactly x``, which a number alone means too, an ascending list, or ``lo:hi``."""
+    if only := _only(quantity, value):
+        return (only,)
     if isinstance(value, str) and ":" in value:
         return (_band(quantity, value),)
     items = [*map(float, parse_axis(value, quantity).values)] if isinstance(value, str) else value
@@ -399,6 +469,8 @@ _PERIOD: Final = "[0, 1.4, 2, 1.4, 0, -1.4, -2, -1.4]: one period, equally space
 _LOHI: Final = '0.5 or "0.3:0.7", which is all between two ends'
 _NUMBER: Final = ("number", "text")
 _ENDS: Final = (*_NUMBER, "ends")
+_ONLY: Final = (*_ENDS, EXACTLY)
+_RANGE: Final = '"exactly 0.5" or "0.3:0.7", which is all between two ends'
 _FLOOR: Final = {"floor": math.inf}  # its mass
 _MEASURED: Final = _rows(_PAIRS, MOST_PIECES, "[[45, 0.2], [50, 0.5]]", FREQUENCY, LENGTH)
 
@@ -417,11 +489,34 @@ FORMS: Final = {
     "accelerations": _rows(_SAMPLES, MOST_PIECES, _PERIOD, ACCELERATION, least=LEAST_SAMPLES),
     "displacements": _rows(_SAMPLES, MOST_PIECES, _PERIOD, LENGTH, least=LEAST_SAMPLES),
     "number": Form("number", _number, _NUMBER),
+    "most": Form("number (at most)", _bound(AT_MOST), (*_NUMBER, AT_MOST), '"at most 1.5"', alone=AT_MOST),
+    "least": Form(
+        "number (at least)", _bound(AT_LEAST), (*_NUMBER, AT_LEAST), '"at least 1.5"', alone=AT_LEAST
+    ),
     "band": Form("number or band", _band, _ENDS, _LOHI),
     "friction": Form("number, band or row of the catalogue", _friction, (*_ENDS, "name"), _LOHI),
-    "limits": Form("number, the largest, or range", _limits, _ENDS, _LOHI),
-    "span": Form("number, fixed, or range", _band, _ENDS, _LOHI),
-    "choices": Form("number, list or range", _choices, (*_ENDS, "listed", "list"), f"[0.3, 0.7], {_LOHI}"),
+    "limits": Form(
+        'number (at most), `"exactly 1"`, or range',
+        _limits,
+        (*_ONLY, AT_MOST),
+        f'"at most 0.5", {_RANGE}',
+        alone=AT_MOST,
+    ),
+    "size": Form(
+        'number (exactly), `"at most 1"`, or range',
+        _size,
+        (*_ONLY, AT_MOST),
+        f'"at most 0.5", {_RANGE}',
+        alone=EXACTLY,
+    ),
+    "span": Form("number (exactly) or range", _span, _ONLY, _RANGE, alone=EXACTLY),
+    "choices": Form(
+        "number (exactly), list or range",
+        _choices,
+        (*_ONLY, "listed", "list"),
+        f"[0.3, 0.7], {_RANGE}",
+        alone=EXACTLY,
+    ),
     "text": Form("text on one line", _text, ("line",), '"feeder"'),
     "mass or floor": Form("number or `floor`", _number, _NUMBER, '12 or "floor"', _FLOOR),
     "count": Form("whole number", _count, _NUMBER, "2"),

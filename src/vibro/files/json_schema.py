@@ -11,6 +11,7 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
+from vibro.files.entries import WORDS
 from vibro.quantities import QUANTITIES, RATES, STANDS_FOR
 
 if TYPE_CHECKING:
@@ -85,6 +86,7 @@ def _ways(entry: Entry) -> list[Schema]:
     text = _number_text(*kinds)
     texts = {
         "text": text,
+        **{word: rf"{_folded(word)}\s*{text}" for word in WORDS},
         "ends": rf"{text}\s*:\s*{text}",
         "listed": rf"{text}(?:\s*,\s*{text})+",
         "axis": rf"{text}\s*:\s*{text}(?:\s*:\s*(?:{_DIGITS}|{_folded('step=')}\s*{text}))?"
