@@ -9,6 +9,7 @@ import os
 import shutil
 import subprocess
 import sys
+import sysconfig
 import time
 from itertools import accumulate
 from pathlib import Path
@@ -278,10 +279,12 @@ def test_an_editable_installation_is_compiled_in_place(
     assert hatchling.built == [("wheels", checkout, True)]
 
 
+@pytest.mark.parametrize("platform", ["", "win_amd64"])
 @pytest.mark.parametrize("compiled", [True, False])
 def test_a_wheel_with_a_library_is_of_a_platform(
-    checkout: Path, hatchling: Hatchling, compiled: bool
+    checkout: Path, hatchling: Hatchling, monkeypatch: pytest.MonkeyPatch, compiled: bool, platform: str
 ) -> None:
+    monkeypatch.setenv("VIBRO_PLATFORM", platform)
     if compiled:
         (checkout / CORE / LIBRARY).touch()
     hook = importlib.import_module("backend").SolverHook()
@@ -292,5 +295,6 @@ def test_a_wheel_with_a_library_is_of_a_platform(
     data: dict[str, Any] = {"artifacts": []}
     hook.initialize("standard", data)
     assert data["artifacts"] == [f"{CORE.as_posix()}/{name}" for name in (SCRIPT, LIBRARY)[: 1 + compiled]]
-    assert data.get("tag", "py3-none-any").startswith("py3-none-")
+    here = sysconfig.get_platform().replace("-", "_").replace(".", "_")
+    assert data.get("tag") == (f"py3-none-{platform or here}" if compiled else None)
     assert data.get("pure_python", True) is not compiled

@@ -9,7 +9,6 @@ from __future__ import annotations
 import contextlib
 import shutil
 import sys
-import sysconfig
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -20,7 +19,7 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from compiling import CORE, LIBRARY, SCRIPT, compile_solver, required
+from compiling import CORE, LIBRARY, SCRIPT, compile_solver, platform_tag, required
 
 __all__ = [
     "build_editable", "build_sdist", "build_wheel", "get_requires_for_build_editable",
@@ -83,7 +82,6 @@ class SolverHook(BuildHookInterface):  # type: ignore[misc]
         build_data["artifacts"].append((CORE / SCRIPT).as_posix())
         library = CORE / LIBRARY
         if Path(self.root, library).is_file():
-            platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
             build_data["pure_python"] = False
-            build_data["tag"] = f"py3-none-{platform}"
+            build_data["tag"] = f"py3-none-{platform_tag()}"
             build_data["artifacts"].append(library.as_posix())

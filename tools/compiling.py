@@ -2,7 +2,8 @@
 
 The script is in JavaScript. The library needs a C compiler: that of the system is taken where there is one,
 otherwise the one of the package ``ziglang``. Set ``CC`` to choose the compiler, ``VIBRO_CC=none`` to leave
-the solver uncompiled.
+the solver uncompiled, ``VIBRO_PLATFORM`` to name the platform that a cross compiler in ``CC`` compiles for
+(``win_amd64``).
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+import sysconfig
 import tempfile
 from pathlib import Path
 
@@ -21,7 +23,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 from dialects import JavaScript
 from translate import digest, sources, translate
 
-__all__ = ["CORE", "LIBRARY", "SCRIPT", "compile_solver", "required"]
+__all__ = ["CORE", "LIBRARY", "SCRIPT", "compile_solver", "platform_tag", "required"]
 
 CORE = Path("src", "vibro", "core")  # in a checkout
 LIBRARY = "_solver.native"  # no name that Python would import
@@ -49,6 +51,11 @@ def _compiler() -> list[str] | None:
     if found := _system_compiler():
         return found
     return [sys.executable, "-m", "ziglang", "cc"] if importlib.util.find_spec("ziglang") else None
+
+
+def platform_tag() -> str:
+    """Name the platform that the library is for, as wheels do: this one unless another is named."""
+    return os.environ.get("VIBRO_PLATFORM") or sysconfig.get_platform().replace("-", "_").replace(".", "_")
 
 
 def required() -> list[str]:
@@ -95,7 +102,7 @@ def _build(core: Path, library: Path) -> str:
     compiler = _compiler()
     if compiler is None:
         return "no C compiler was found"
-    links = [] if sys.platform == "win32" else ["-fPIC", "-lm"]
+    links = [] if platform_tag().startswith("win") else ["-fPIC", "-lm"]
     with tempfile.TemporaryDirectory() as folder:
         source, built = Path(folder, "solver.c"), Path(folder, LIBRARY)
         source.write_text(translate(core), "utf-8")
