@@ -313,20 +313,6 @@ class Motion:
         16 (available from 49 samples on). For an acceleration that jumps use ``Motion.steps``, which is
         exact.
 
-        Errors of the acceleration, root mean square over the largest one, with 128 samples a period
-        (benchmarks/samples.py):
-
-        ============================  =========================  =============  ==================
-        samples of acceleration       sine with harmonics        trapezoid      two levels
-        ============================  =========================  =============  ==================
-        spline (used)                 3e-5 %                     0.23 %         8 % (1024: 2.3 %)
-        16 harmonics                  rounding                   1.1 %          11 %
-        ============================  =========================  =============  ==================
-
-        The trapezoid has ramps of 5 % of the period. For displacements with 0.1 % of noise the errors of the
-        sine are 0.3 % with the significant harmonics (used), 4 % with all 16, and 130 % with a spline that is
-        differentiated twice.
-
         Examples
         --------
         >>> import numpy as np, vibro

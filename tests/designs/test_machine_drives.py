@@ -319,7 +319,7 @@ def test_amplitudes_met_are_those_of_operating_points(monkeypatch: pytest.Monkey
 def test_the_second_harmonic_explains_what_two_way_stepping_finds(
     ratio: float, followed: float, by_sine: float, within: float
 ) -> None:
-    """Worked feeder with 4 kg: change of its speed, as followed in time (benchmarks/filling.py)."""
+    """Worked feeder with 4 kg: change of its speed, as followed in time."""
     scene = {"static_friction": 0.35, "kinetic_friction": 0.28, "restitution": 0}
     drive = FEEDER | {"natural_hz": 50 / ratio, "filling_kg": 4}
     spec = read_spec({**asked(drive), "scene": scene})

@@ -28,7 +28,6 @@ def fields_of(guarantee: vibro.Guarantee) -> dict[str, Any]:
 
 @pytest.mark.parametrize("seed", range(6))
 def test_no_body_of_a_band_lies_beyond_its_bounds(seed: int) -> None:
-    """benchmarks/restitution.py does the same for 200 boxes."""
     scene, bands = drawn_band(seed)
     guarantee = vibro.guarantee(scene, **bands)
     assert (guarantee.proof_min, guarantee.samples) == ("sampled", 4096)

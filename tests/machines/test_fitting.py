@@ -79,7 +79,6 @@ COVERED = [
 
 @pytest.mark.parametrize(("ratios", "damping", "law", "is_stated", "count"), COVERED)
 def test_coverage(ratios: list[float], damping: float, law: Law, is_stated: bool, count: int) -> None:
-    """Of 2000 draws each by benchmarks/machine_fits.py."""
     count = draws(count)
     rng, natural, static, error = np.random.default_rng(7), 50.0, 1e-3, 0.02
     x, held = np.array(ratios), np.zeros(3)

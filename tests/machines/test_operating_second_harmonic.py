@@ -118,7 +118,7 @@ def test_where_no_agreement_is_found_the_answer_is_that_of_a_sine_and_uncertain(
 
 
 def test_amplitudes_with_the_second_harmonic_fed_back_are_nearer_to_both_masses_followed() -> None:
-    """One of the largest corrections of benchmarks/filling.py: 6.4 % of 12.7."""
+    """One of the largest corrections of 300 machines: 6.4 % of 12.7."""
     case = next(drawn_widely(1, seed=1))
     points, size = case.operate(), abs(case.followed().amplitude)
     assert size / points.amplitude_sine - 1.0 == pytest.approx(0.127, abs=0.002)

@@ -45,7 +45,6 @@ def nut_speeds(amplitude_mm: float, mu_d: Any, ratio: Any = 0.8, e: Any = 0.0) -
 
 @pytest.mark.parametrize(("kind", "tables"), [("ratio", 12), ("both", 8), ("hops", 2)])
 def test_intervals_hold_the_true_values(kind: str, tables: int) -> None:
-    """Of hundreds of tables 93 to 100 % do: benchmarks/times.py."""
     random, held = np.random.default_rng(52), []
     for _ in range(tables):
         made = made_table(random, kind)

@@ -58,7 +58,6 @@ def amplitude_mm(motion: MeasuredMotion) -> tuple[float, float]:
 
 
 def test_steady_records_are_accepted_with_all_that_sensors_add() -> None:
-    """Of 300 none is refused or warned of (benchmarks/steady_records.py)."""
     for seed in range(36):
         made = good_record(seed)
         motion = motion_of(made.record)

@@ -55,7 +55,7 @@ _CLOSING: Final = 200  # steps; smooth zeros take ten
 _ZERO: Final = 4.0 * EPS  # [1] residual over A_0 that is rounding
 _JUMP: Final = 1e-9  # [1] residual over A_0 that only a jump leaves in a closed bracket
 # An operating point is uncertain where the second harmonic over the amplitude exceeds this, of bodies that
-# bounce this, or where it changes the speed by more than this (benchmarks/filling.py) [1].
+# bounce this, or where it changes the speed by more than this [1].
 _MOST_HARMONIC: Final = 0.015
 _MOST_BOUNCING_HARMONIC: Final = 0.005
 _MOST_CHANGE: Final = 0.075

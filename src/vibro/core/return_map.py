@@ -426,8 +426,7 @@ _NEWTONS: Final = 8  # steps of Newton's that are not judged
 _NEAR: Final = 1e-6
 
 _SEPARATE: Final = 1e-9  # [A w] fixed points farther apart than this are two
-# [1] mu_d over mu_s from which on a search has found no second fixed point of drives of one harmonic
-# (benchmarks/hopping.py).
+# [1] mu_d over mu_s from which on a search has found no second fixed point of drives of one harmonic.
 _MOST_COEXISTENCE: Final = 0.75
 
 

@@ -53,7 +53,7 @@ _MORE: Final = 256  # of these in every round
 
 # Samples of hopping bodies: base-2 logarithms of those of the first round, and of each round around the
 # extreme ones; and how many rounds. Of 200 random boxes with a band of restitution two had slower bodies than
-# their bound among 4096 others, by 0.55 % at most, and two faster ones, by 0.1 % (benchmarks/restitution.py).
+# their bound among 4096 others, by 0.55 % at most, and two faster ones, by 0.1 %.
 _SAMPLES: Final = (12, 6, 8)
 # The same where a slower body alone is sought.
 _FEWER_SAMPLES: Final = (11, 6, 4)

@@ -153,7 +153,7 @@ def fit_response(points: Any, *, law: Law = "constant", amplitude_error: Any = N
     is weighted by ``1 / (2 s y)^2``, and ``f0 = (c / a)^(1/4)``, ``zeta^2 = (2 + b / sqrt(a c)) / 4``. The
     intervals hold every value with which the logarithms of the amplitudes can be fitted, ``zeta >= 0``:
     their sum of squares may exceed the least by the square of Student's t (of the normal quantile, if the
-    error is stated). Measured coverage: ``tests/machines/test_fitting.py``, benchmarks/machine_fits.py.
+    error is stated). Measured coverage: ``tests/machines/test_fitting.py``.
 
     Examples
     --------

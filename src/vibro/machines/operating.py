@@ -155,9 +155,9 @@ class OperatingPoints:
 
         Notes
         -----
-        The second harmonic is that at which the trough and the force of the filling agree, Eq. (90). Of 120
-        random machines that are not ``uncertain`` the speed is off by 4 to 5 %, three by up to 6.3 %; of 156
-        uncertain ones by 23 to 26 % (benchmarks/filling.py).
+        The second harmonic is that at which the trough and the force of the filling agree, Eq. (90). Beside
+        a simulation of trough and body together it is nearer than that of the sine
+        (tests/machines/test_operating_second_harmonic.py).
         """
         speed = solve(self.scene_with_second_harmonic, threads=threads).mean_velocity
         return np.where(np.isnan(self.amplitude), np.nan, speed)[()]
@@ -334,9 +334,8 @@ def operate(
     apart are looked at, and more of them where slides begin: a pair of operating points that differ by less
     than 3 % may be missed. From the least one under a sine, which is within 1e-9 of a reference on 6 machines
     (tests/machines/test_operating.py), the second harmonic is fed back until both agree. Higher harmonics and
-    the recoil from impacts are left out: beside a simulation of trough and body together 120 random machines
-    that are not ``uncertain`` have amplitudes 0.5 % less to 0.3 % more, one 3.3 % less; 156 uncertain ones
-    4.7 % less to 6 % more (benchmarks/filling.py).
+    the recoil from impacts are left out, which a simulation of trough and body together shows
+    (tests/machines/test_operating_second_harmonic.py).
 
     Examples
     --------

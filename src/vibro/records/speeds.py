@@ -215,7 +215,7 @@ def fit_speeds(
     a column of errors all rows have the same relative error, which their scatter gives. The intervals are
     those of the profile likelihood [1]_, and the whole range is searched: cells of it are split until none is
     left that may hold a value that fits. How often they hold the true value is counted by
-    ``benchmarks/times.py``.
+    ``tests/records/test_speeds.py``.
 
     References
     ----------
