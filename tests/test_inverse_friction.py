@@ -130,11 +130,11 @@ def question(kind: str, random: np.random.Generator) -> tuple[Scene, Speed]:
 @pytest.mark.parametrize(
     ("kind", "count", "scan", "dense"),
     [
-        ("line", 18, 28, 20_000),
-        ("ellipse", 14, 28, 20_000),
-        ("hops", 12, 12, 20_000),
-        ("harmonics", 8, 8, 2_000),
-        ("steps", 8, 28, 8_000),
+        ("line", 8, 28, 10_000),
+        ("ellipse", 6, 28, 10_000),
+        ("hops", 5, 12, 8_000),
+        ("harmonics", 3, 8, 1_000),
+        ("steps", 4, 28, 4_000),
     ],
 )
 def test_all_frictions_are_found_and_none_is_invented(kind: str, count: int, scan: int, dense: int) -> None:

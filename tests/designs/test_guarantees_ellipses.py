@@ -13,9 +13,7 @@ from hypothesis import strategies as st
 
 import vibro
 from vibro import Regime
-from vibro.designs.proofs import extreme_ratio
 from vibro.designs.sensitivities import speed_costs
-from vibro.designs.spaces import uncertainty_set
 
 BASE: dict[str, Any] = {
     "along_amplitude": 1e-3,
@@ -104,53 +102,6 @@ def test_the_mirrored_box_has_the_mirrored_guarantee() -> None:
     back = vibro.guarantee(scene(trough_angle=-beta, normal_phase=BASE["normal_phase"] + math.pi), **bands)
     assert back.found_min == pytest.approx(-ahead.found_max, rel=1e-8)
     assert back.found_max == pytest.approx(-ahead.found_min, rel=1e-8)
-
-
-def test_a_limit_at_a_jump_is_said_to_be_one() -> None:
-    """In step, speeds drop where back slip begins: the largest one is a limit from below."""
-    nut = {"static_friction": 0.74, "kinetic_friction": 0.57, "frequency": 15.0, "normal_phase": 0.0}
-    x, y = 1.195e-3 * math.cos(math.radians(20.0)), 1.195e-3 * math.sin(math.radians(20.0))
-    one = scene(**nut, along_amplitude=x, normal_amplitude=y)
-    found = vibro.guarantee(one, along_amplitude=about(x, 0.01))
-    assert found.max_limit == "from below the load at which back slip begins"
-    assert found.max_at["normal_amplitude"] == y
-    assert found.min_limit == ""
-
-
-def test_a_scene_without_bands_is_solved() -> None:
-    found = vibro.guarantee(scene())
-    speed = float(vibro.solve(scene()).mean_velocity)
-    assert found.speed_min == found.speed_max == speed
-    assert (found.proof_min, found.proof_max) == ("corners", "corners")
-    assert found.min_at == {name: float(x) for name, x in scene().arrays()._asdict().items()}
-
-
-def test_hopping_boxes_are_sampled() -> None:
-    one = scene(normal_amplitude=6e-4)
-    found = vibro.guarantee(one, static_friction=(0.35, 0.45))
-    assert found.proof_min == found.proof_max == "sampled"
-    frictions = np.linspace(0.35, 0.45, 50)
-    speed = np.asarray(vibro.solve(scene(normal_amplitude=6e-4, static_friction=frictions)).mean_velocity)
-    assert np.nanmin(speed) >= found.speed_min * (1 - 1e-6)
-    assert np.nanmax(speed) <= found.speed_max * (1 + 1e-6)
-
-
-def test_extreme_ratios_are_those_of_a_fine_grid() -> None:
-    box = uncertainty_set(scene(), {"static_friction": (0.3, 0.5), "normal_phase": (-1.2, -0.8)})
-    static, phase = np.meshgrid(np.linspace(0.3, 0.5, 51), np.linspace(-1.2, -0.8, 51))
-    grid = scene(static_friction=static, normal_phase=phase, kinetic_friction=0.3)
-    for name in ("forward_onset", "back_slip", "hop"):
-
-        def critical(at: vibro.Scene, name: str = name) -> Any:
-            return getattr(vibro.critical_loads(at), name)
-
-        ratios = grid.load / critical(grid)
-        for largest, best in ((True, ratios.max()), (False, ratios.min())):
-            found, shares = extreme_ratio(box, critical, largest=largest)
-            there = box.scene(box.points(shares), fast=True)
-            assert found == pytest.approx(float(there.load[0] / critical(there)[0]), rel=1e-12)
-            assert (found >= best * (1 - 1e-9)) if largest else (found <= best * (1 + 1e-9))
-            assert found == pytest.approx(best, rel=1e-3)
 
 
 def test_costs_are_what_small_changes_change() -> None:

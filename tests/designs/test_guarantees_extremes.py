@@ -11,17 +11,14 @@ import pytest
 from helpers.scenes import replaced, scene_with
 
 import vibro
-from vibro import Regime, Scene, Status
-from vibro.designs import guarantees, proofs
+from vibro import Regime, Status
 from vibro.designs.guarantees import (
-    ANY_LANDING,
     BRIEF,
     Landings,
     Seen,
     counted,
     least_of,
     look_around,
-    sampled,
     searched,
     speeds_of,
     taken,
@@ -29,20 +26,11 @@ from vibro.designs.guarantees import (
 from vibro.designs.spaces import uncertainty_set
 
 INF, NAN = math.inf, math.nan
-HOPPING = {"amplitude": (8e-3, 12e-3), "frequency": (12.0, 15.0)}
 
 
 def cycle(**fields: Any) -> Any:
     """Cycles of which only some fields are known."""
     return SimpleNamespace(**{name: np.array(values) for name, values in fields.items()})
-
-
-def known(speeds: Any) -> Any:
-    """Cycles of bodies that hop, unresolved where the speed is NaN."""
-    status = np.where(np.isnan(speeds), Status.UNRESOLVED, Status.OK)
-    none = np.zeros(status.shape)
-    fields = {"mean_velocity": speeds, "mean_velocity_error": none, "coexists": none, "status": status}
-    return cycle(regime=np.full(status.shape, Regime.HOPPING), **fields)
 
 
 @pytest.mark.parametrize(
@@ -69,17 +57,6 @@ def test_the_least_speed_of_a_row_leaves_out_the_unknown() -> None:
     assert least_of(rows).tolist() == [1.0, -INF, -INF, -1.0]
 
 
-def test_seen_events_are_kept() -> None:
-    seen = Seen()
-    seen.add(cycle(regime=[Regime.NO_SLIP, -1, Regime.BACK_SLIP], coexists=[0, 1]))
-    seen.add(cycle(regime=[Regime.FORWARD_SLIP], coexists=[0, -1]))
-    assert seen.regimes == {Regime.NO_SLIP, Regime.FORWARD_SLIP, Regime.BACK_SLIP}
-    assert seen.coexists
-    seen = Seen()
-    seen.add(cycle(regime=[Regime.NO_SLIP], coexists=[-1]))
-    assert (seen.coexists, seen.excluded) == (False, 0)
-
-
 @pytest.mark.parametrize(("highest", "beyond"), [(Regime.FORWARD_SLIP, True), (Regime.BACK_SLIP, False)])
 def test_bodies_beyond_the_highest_regime_count_as_extreme(highest: Regime, beyond: bool) -> None:
     scene = scene_with(amplitude=2e-3)
@@ -89,14 +66,6 @@ def test_bodies_beyond_the_highest_regime_count_as_extreme(highest: Regime, beyo
         assert speed == (extreme if beyond else float(vibro.solve(scene).mean_velocity))
 
 
-def test_limits_on_landings() -> None:
-    assert Landings(2.0, 0.5).scaled(0.5) == (1.0, 0.25)
-    assert Landings(2.0, INF).limited
-    assert Landings(INF, 0.5).limited
-    assert not ANY_LANDING.limited
-    assert ANY_LANDING == (INF, INF)
-
-
 @pytest.mark.parametrize(
     ("impact", "flight", "exceeds"),
     [(1.0, 0.5, False), (1.001, 0.5, True), (1.0, 0.501, True), (0.0, 0.0, False), (NAN, NAN, False)],
@@ -104,37 +73,6 @@ def test_limits_on_landings() -> None:
 def test_a_landing_at_its_limit_is_allowed(impact: float, flight: float, exceeds: bool) -> None:
     found = cycle(impact_velocity=[impact], flight_fraction=[flight])
     assert Landings(1.0, 0.5).exceeded(found).tolist() == [exceeds]
-
-
-@pytest.mark.parametrize("banded", [("amplitude", "frequency"), ("amplitude",), ("frequency",)])
-def test_landings_of_a_load_are_those_of_the_fastest_body(banded: tuple[str, ...]) -> None:
-    """Where amplitude and frequency both vary one load has harder landings than its slowest body's."""
-    box = uncertainty_set(scene_with(amplitude=10e-3, frequency=13.0), {k: HOPPING[k] for k in banded})
-    points = box.points(np.full((6, 1), 0.5))
-    slow, fast = (vibro.solve(box.scene(points, fast=which)) for which in (False, True))
-    soft, hard = float(slow.impact_velocity[0]), float(fast.impact_velocity[0])
-    both = len(banded) == 2
-    assert (hard > soft * 1.01) is both
-    assert Landings(impact_speed=hard * 0.999).broken(box, points, slow).tolist() == [True]
-    assert Landings(impact_speed=hard * 1.001).broken(box, points, slow).tolist() == [False]
-    assert ANY_LANDING.broken(box, points, slow).tolist() == [False]
-
-
-@pytest.mark.parametrize("name", ["impact_speed", "flight_fraction"])
-def test_the_worst_landing_is_that_of_the_body_beyond_its_limit_by_most(name: str) -> None:
-    """Of one amplitude the highest frequency throws highest, and longest."""
-    box = uncertainty_set(scene_with(amplitude=10e-3), {"frequency": (10.0, 12.0)})
-    fast = vibro.solve(scene_with(amplitude=10e-3, frequency=12.0))
-    hardest = float({"impact_speed": fast.impact_velocity, "flight_fraction": fast.flight_fraction}[name])
-    worst = Landings(**{name: 0.9 * hardest}).worst(box)
-    assert worst.tolist() == [[1.0], [0.0], [0.0], [0.0], [0.0], [0.0]]
-    assert Landings(**{name: hardest}).worst(box).shape == (6, 0)  # at the limit is not beyond it
-    assert ANY_LANDING.worst(box).shape == (6, 0)
-
-
-def test_a_box_in_contact_has_no_landings() -> None:
-    box = uncertainty_set(scene_with(), {"static_friction": (0.6, 0.74)})
-    assert Landings(1e-9, 1e-9).worst(box).shape == (6, 0)
 
 
 def test_the_hardest_landing_may_lie_inside_a_band() -> None:
@@ -189,55 +127,6 @@ def test_a_regime_between_the_corners_is_seen_beside_their_critical_loads() -> N
     assert seen.regimes == regimes
 
 
-@pytest.mark.parametrize("side", [1.0, -1.0])
-@pytest.mark.parametrize(("least", "runs"), [(0.249327, True), (0.249329, False)])
-def test_parts_run_away_where_the_trough_is_steeper_than_kinetic_friction(
-    side: float, least: float, runs: bool
-) -> None:
-    """tan 14 deg = 0.249328, up or down."""
-    trough = sorted((side * math.radians(14.0), -side * math.radians(5.0)))
-    scene = scene_with(static_friction=0.4, kinetic_friction=0.3)
-    box = uncertainty_set(scene, {"kinetic_friction": (least, 0.3), "trough_angle": tuple(trough)})
-    assert proofs._may_run_away(box) is runs
-
-
-@pytest.mark.parametrize("fast", [False, True])
-def test_hops_without_a_speed_are_excluded_and_counted(fast: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Every sampled call in which all bodies hop has one unknown speed; both extremes share the first."""
-    calls = []
-
-    def solved(scene: Scene, **_: Any) -> Any:
-        size = int(np.prod(scene.shape))
-        calls.append(size)
-        return known([NAN] * (size > 1) + [1.0] * (size - (size > 1)))
-
-    monkeypatch.setattr(guarantees, "solve", solved)
-    seen = Seen()
-    box = uncertainty_set(scene_with(amplitude=6e-3), {"static_friction": (0.6, 0.74)})
-    found = sampled(box, fast=fast, seen=seen, brief=True)
-    assert seen.excluded == 5
-    assert calls == [2 + 2**11, *[2**6] * 4, 1, 1]
-    assert math.isfinite(found.speed)
-    calls.clear()
-    sampled(box, fast=not fast, seen=seen, brief=True)
-    assert calls == [*[2**6] * 4, 1, 1]
-
-
-def test_more_bodies_are_sampled_than_where_a_slower_one_is_sought(monkeypatch: pytest.MonkeyPatch) -> None:
-    calls = []
-
-    def solved(scene: Scene, **_: Any) -> Any:
-        calls.append(int(np.prod(scene.shape)))
-        return known([NAN] * calls[-1])
-
-    monkeypatch.setattr(guarantees, "solve", solved)
-    scene = scene_with(amplitude=6e-3, restitution=0.3)
-    box = uncertainty_set(scene, {"static_friction": (0.6, 0.74)})
-    found = sampled(box, fast=False, seen=Seen(), brief=False)
-    assert math.isnan(found.speed)
-    assert calls == [2 + 2**12, *[2**6] * 8]
-
-
 @pytest.mark.parametrize("fast", [False, True])
 def test_the_slowest_body_is_on_the_steepest_trough(fast: bool) -> None:
     """Where parts slip back, but none runs away: beside a grid of frictions and troughs."""
@@ -249,20 +138,3 @@ def test_the_slowest_body_is_on_the_steepest_trough(fast: bool) -> None:
     speeds = vibro.solve(replaced(scene, static_friction=friction, trough_angle=trough)).mean_velocity
     extreme = float(np.max(speeds) if fast else np.min(speeds))
     assert best.speed == pytest.approx(extreme, rel=1e-6)
-
-
-def test_samples_are_even_bodies_that_hop_and_whose_speed_is_known(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of others nothing is known, and the chance of a slower one is told by those that are."""
-    box = uncertainty_set(scene_with(amplitude=4e-3), {"static_friction": (0.7, 0.78)})
-    seen = Seen()
-    sampled(box, fast=False, seen=seen, brief=True)
-    assert (seen.samples, seen.excluded) == (2**11, 0)
-
-    def half(scene: Scene, **_: Any) -> Any:
-        friction = np.asarray(scene.static_friction)
-        return known(np.where(friction < 0.74, np.nan, friction))
-
-    monkeypatch.setattr(guarantees, "solve", half)
-    seen.hops = None
-    sampled(box, fast=False, seen=seen, brief=True)
-    assert seen.samples == pytest.approx(2**10, abs=4)

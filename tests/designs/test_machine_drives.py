@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import json
 import math
-import re
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -63,21 +62,9 @@ def design_of(result: DesignResult, kind: str, drive: str = "") -> Design:
 
 GUARANTEED = (
     "amplitude_mm", "frequency_hz", "drive_angle_deg", "acceleration_g", "speed_min_mm_s",
-    "speed_proved_mm_s", "speed_nominal_mm_s", "speed_max_mm_s", "margin", "throw_number_max",
+    "speed_proved_mm_s", "speed_nominal_mm_s", "speed_max_mm_s", "margin", "throw_number_max", "set_by",
+    "proof",
 )  # fmt: skip
-
-
-def assert_same(found: DesignResult, by_hand: DesignResult) -> None:
-    assert found.met == by_hand.met
-    for one, other in zip(found.designs, by_hand.designs, strict=True):
-        assert (one.design, one.highest_regime, one.set_by, one.proof) == (
-            other.design,
-            other.highest_regime,
-            other.set_by,
-            other.proof,
-        )
-        for name in GUARANTEED:
-            assert getattr(one, name) == pytest.approx(getattr(other, name), rel=1e-9), name
 
 
 @pytest.fixture(autouse=True)
@@ -93,43 +80,37 @@ def fastest_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(machine_drives, "SEARCHED", ("fastest",))
 
 
-def test_unbalance_on_soft_mounts_is_a_drive_of_its_static_moment_over_its_mass() -> None:
-    # 2 x 50 kg mm over 100 kg: 1 mm
-    line = {
-        "name": "motors",
-        "amplitude_mm": 1,
-        **{k: v for k, v in MOTORS.items() if "_hz" in k or "_deg" in k},
-    }
-    found, by_hand = (
-        vibro.design(asked(drive | {"drive_angle_deg": 30, "frequency_hz": 25}, 20.0), only="goal")
-        for drive in (MOTORS, line | {"acceleration_g": 3})
-    )
-    assert_same(found, by_hand)
-    assert found.met
-    for one, other in zip(found.designs, by_hand.designs, strict=True):
-        assert one.setting_percent == pytest.approx(100.0 * (other.amplitude_mm or 0.0), rel=1e-12)
-        assert one.amplitude_empty_mm == pytest.approx(one.amplitude_mm, rel=1e-12)
-        assert (one.pack, one.natural_hz, one.operating_points) == (None, None, None)
-        assert one.window == pytest.approx(other.window, rel=1e-9)
+# 2 x 50 kg mm over 100 kg: 1 mm; the force of a magnet goes with the square of the voltage: 0.81 to 1.21 of
+# its amplitude, which is 1.01 and 19.8 % either way
+SAME: dict[str, tuple[Any, ...]] = {
+    "unbalance": (
+        MOTORS | {"drive_angle_deg": 30, "frequency_hz": 25}, 20.0, 1.0, (1.0, 1.0),
+        {"amplitude_mm": 1, "frequency_hz": 25, "drive_angle_deg": 30, "acceleration_g": 3}, {},
+    ),
+    "voltage": (
+        FEEDER | {"voltage_percent": "90:110"}, 6.0, 0.35, (0.81, 1.21),
+        {"amplitude_mm": 0.35 * 1.01, "frequency_hz": 50, "drive_angle_deg": 20},
+        {"amplitude_percent": 100.0 * 0.20 / 1.01},
+    ),
+}  # fmt: skip
 
 
-def test_voltage_makes_an_interval_of_the_amplitude_of_an_empty_trough() -> None:
-    # the force goes with the square of the voltage: 0.81 to 1.21, or 1.01 and 19.8 % either way
-    drift = 100.0 * 0.20 / 1.01
-    line = {"amplitude_mm": 0.35 * 1.01, "frequency_hz": 50, "drive_angle_deg": 20}
-    machine = without(FEEDER, "name", voltage_percent="90:110")
-    found, by_hand = (
-        find(Question(spec, spec.drives[0], Regime.BACK_SLIP), {}, 12, until="gentlest")
-        for spec in map(
-            read_spec, (asked(machine, 6.0), asked(line, 6.0, drift={"amplitude_percent": drift}))
-        )
+@pytest.mark.parametrize("name", SAME)
+def test_machines_are_drives_of_their_amplitudes(name: str) -> None:
+    machine, speed, full, covered, line, drift = SAME[name]
+    one, other = (
+        find(Question(spec, spec.drives[0], Regime.BACK_SLIP), {}, 12, until="fastest").row("fastest")
+        for spec in map(read_spec, (asked(machine, speed), asked(line, speed, drift=drift)))
     )
-    for one, other in ((found.row(kind), by_hand.row(kind)) for kind in ("fastest", "gentlest")):
-        for name in GUARANTEED:
-            assert getattr(one, name) == pytest.approx(getattr(other, name), rel=1e-8), name
-        assert one.amplitude_least_mm == pytest.approx(0.81 * (one.amplitude_empty_mm or 0.0), rel=1e-12)
-        assert one.amplitude_most_mm == pytest.approx(1.21 * (one.amplitude_empty_mm or 0.0), rel=1e-12)
-        assert one.setting_percent == pytest.approx(100.0 * (one.amplitude_empty_mm or 0.0) / 0.35, rel=1e-12)
+    for field in GUARANTEED:
+        value = getattr(other, field)
+        value = pytest.approx(value, rel=1e-8) if isinstance(value, float) else value
+        assert getattr(one, field) == value, field
+    empty = one.amplitude_empty_mm or 0.0
+    assert one.setting_percent == pytest.approx(100.0 * empty / full, rel=1e-12)
+    assert one.amplitude_least_mm == pytest.approx(covered[0] * empty, rel=1e-12)
+    assert one.amplitude_most_mm == pytest.approx(covered[1] * empty, rel=1e-12)
+    assert (one.pack, one.operating_points) == (None, None)
 
 
 def test_a_drift_of_the_frequency_passes_resonance() -> None:
@@ -231,31 +212,6 @@ def test_no_design_is_told_whose_amplitudes_are_unknown(monkeypatch: pytest.Monk
 
 
 @pytest.mark.usefixtures("fastest_alone")
-def test_an_interval_is_sought_that_holds_what_is_met(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The stiffer the assumed interval, the further apart are the amplitudes that are met."""
-    seen: list[tuple[float, float]] = []
-
-    def met(question: Question, _: Any) -> Met:
-        assert question.drive.machine is not None
-        low, high = question.drive.machine.covered
-        seen.append((low, high))
-        return Met(0.5 + 0.3 * low, 1.4 - 0.2 * high, 1)
-
-    monkeypatch.setattr(machine_drives, "amplitudes_met", met)
-    result = find_designs(read_spec(asked(FEEDER | {"filling_kg": "0:2"}, 3.0)), goal_only=True)
-    design = design_of(result, "fastest")
-    assert design.amplitude_empty_mm is not None
-    assert design.operating_points == 1
-    low = (design.amplitude_least_mm or 0.0) / design.amplitude_empty_mm
-    high = (design.amplitude_most_mm or 0.0) / design.amplitude_empty_mm
-    # fixed points: 0.5 / 0.7, 1.4 / 1.2
-    assert low <= 0.5 + 0.3 * low
-    assert high >= 1.4 - 0.2 * high
-    assert (low, high) == pytest.approx((0.5 / 0.7, 1.4 / 1.2), rel=0.03)
-    assert seen[0] == (1.0, 1.0)
-
-
-@pytest.mark.usefixtures("fastest_alone")
 def test_masses_must_not_strike_each_other() -> None:
     machine = Machine.magnet(
         trough_mass=6, counter_mass=12, natural_frequency=50 / 0.9, damping_ratio=0.015,
@@ -280,36 +236,6 @@ def test_masses_must_not_strike_each_other() -> None:
     assert points.relative_amplitude.max() <= 0.6 * relative
     assert points.relative_amplitude.max() >= 0.55 * relative
     assert design.set_by == "gap"
-
-
-def test_amplitudes_met_are_those_of_operating_points(monkeypatch: pytest.MonkeyPatch) -> None:
-    drive = FEEDER | {"voltage_percent": "90:110", "filling_kg": "1:2"}
-    spec = read_spec(asked(drive, drift={"amplitude_percent": 2, "frequency_percent": 0.5}))
-    question = Question(spec, spec.drives[0], Regime.BACK_SLIP)
-    calls: list[dict[str, Any]] = []
-
-    def noted(machine: Machine, **given: Any) -> Any:
-        calls.append(given)
-        return vibro.operate(machine, **given)
-
-    monkeypatch.setattr(machine_drives, "operate", noted)
-    machine = spec.drives[0].machine
-    assert machine is not None
-    angle = math.radians(20)
-    setting = question.space.setting(amplitude=0.5 * machine.amplitude, frequency=50.0, drive_angle=angle)
-    met = amplitudes_met(question, setting)
-    (given,) = calls
-    ends = {
-        "setting": (0.49, 0.51), "voltage": (0.9, 1.1), "filling": (1.0, 2.0), "frequency": (49.75, 50.25),
-        "static_friction": (0.32, 0.38), "kinetic_friction": (0.26, 0.30),
-    }  # fmt: skip
-    for name, span in ends.items():
-        assert (given[name].min(), given[name].max()) == pytest.approx(span, rel=1e-12), name
-    assert 0.0 < met.low < met.high
-    points = vibro.operate(machine.machine, **given)
-    ratio = points.amplitude / (given["setting"] * machine.full_amplitude)
-    assert met.low <= ratio.min()
-    assert ratio.max() <= met.high
 
 
 @pytest.mark.parametrize(
@@ -391,38 +317,6 @@ def test_given_shares_replace_those_that_are_computed() -> None:
     assert most - least == pytest.approx(seen[1] - seen[0], rel=0.2)
 
 
-def test_packs_and_frequencies_are_drives_with_names_of_their_own() -> None:
-    packs = [{"name": "6 leaves", "natural_hz": 55.6}, {"name": "4 leaves", "natural_hz": 45.4}]
-    drive = FEEDER | {"natural_hz": 55.6, "pack": packs, "frequency_hz": [40, 60]}
-    drives = read_spec(asked(drive)).drives
-    assert [one.name for one in drives] == [
-        "feeder (6 leaves, 40 Hz)",
-        "feeder (6 leaves, 60 Hz)",
-        "feeder (4 leaves, 40 Hz)",
-        "feeder (4 leaves, 60 Hz)",
-    ]
-    others = read_spec(asked(drive | {"natural_hz": 50.0, "frequency_hz": 40})).drives
-    assert others[0].name == "feeder (own springs)"
-    assert [one.machine.natural_frequency for one in others if one.machine] == [50.0, 55.6, 45.4]
-
-
-def test_settings_that_may_be_chosen() -> None:
-    for given, settings in ((80, (0.0, 0.8)), ("20:60", (0.2, 0.6)), (None, (0.0, 1.0))):
-        drive = without(FEEDER, *([] if given else ["setting_percent"]), setting_percent=given)
-        (one,) = read_spec(asked(drive)).drives
-        assert one.span("amplitude") == pytest.approx([0.35e-3 * s for s in settings], rel=1e-12)
-    crank = {"kind": "crank", "crank_radius_mm": 0.3, "frequency_hz": "20:30", "drive_angle_deg": 20}
-    (one,) = read_spec(asked(crank)).drives
-    assert one.choices["amplitude"] == ((0.3e-3, 0.3e-3),)
-    assert one.frequency == ((20.0, 30.0),)
-
-
-def test_resonance_is_doubted() -> None:
-    near, far = (read_spec(asked(FEEDER | {"natural_hz": f0})).doubts() for f0 in (51.0, 55.6))
-    assert any("damping" in text for text in near)
-    assert not far
-
-
 def test_a_machine_without_bands_or_filling_is_certain() -> None:
     scene = {"static_friction": 0.35, "kinetic_friction": 0.28}
     spec = read_spec({**asked(FEEDER), "scene": scene})
@@ -444,29 +338,8 @@ def test_the_example_is_answered_in_settings_on_the_command_line(
     monkeypatch.setattr("vibro.cli.design._figures", lambda *_: {})  # drawn below
     run = CliRunner().invoke(app, ["design", str(EXAMPLE), "-o", f"{tmp_path}/"])
     assert run.exit_code == 0, run.output
-    optima = [" ".join(line.split()) for line in run.stdout.splitlines()]
-    assert optima[1] == "met by feeder (6 leaves)"
-    assert any(
-        line.startswith("design feeder (6 leaves), safest: setting 67.")
-        and line.endswith("frequency 50 Hz, drive angle 20 deg")
-        for line in optima
-    )
-    assert any(
-        line.startswith("amplitude 0.2") and line.endswith("over voltage and filling") for line in optima
-    )
-    assert any(
-        line.startswith("filling: speeds hold from the least to the most amplitude") for line in optima
-    )
+    assert "met by feeder (6 leaves)" in " ".join(run.stdout.split())
     answer = json.loads((tmp_path / "design_machine-design.json").read_text(encoding="utf-8"))
-    columns = {
-        "setting_percent",
-        "pack",
-        "natural_hz",
-        "amplitude_empty_mm",
-        "amplitude_mm",
-        "drive_angle_deg",
-    }
-    assert columns <= answer["columns"].keys()
     assert answer["columns"]["setting_percent"] == "%"
     designs = {(d["pack"], d["design"]): d for d in answer["designs"] if d["setting_percent"] is not None}
     assert designs.keys() == {("7 leaves", "fastest"), ("4 leaves", "fastest")} | {
@@ -488,23 +361,6 @@ def test_the_example_is_answered_in_settings_on_the_command_line(
         rows = list(csv.DictReader(file))
     assert [row["pack"] for row in rows if row["setting_percent"]] == [pack for pack, _ in designs]
     assert {path.suffix for path in tmp_path.iterdir()} == {".csv", ".json"}
-
-
-@pytest.mark.usefixtures("coarse")
-def test_a_goal_that_no_pack_meets_says_what_misses(tmp_path: Path) -> None:
-    path = tmp_path / "feeder.toml"
-    text = EXAMPLE.read_text(encoding="utf-8").replace("speed_mm_s = 12", "speed_mm_s = 20")
-    text = re.sub(r'\n.*"[74] leaves".*', "", text)
-    path.write_text(text, encoding="utf-8")
-    run = CliRunner().invoke(app, ["design", str(path)])
-    assert run.exit_code == 4, run.output
-    optima = [" ".join(line.split()) for line in run.stdout.splitlines()]
-    assert optima[1] == "met by no drive"
-    # a machine's amplitude changes with its frequency, so that no other drive is near
-    assert "design guaranteed [mm/s] set by" in optima
-    row = r"feeder \(6 leaves\) [\d.]+ (limit|hop)"
-    assert sum(re.fullmatch(row, line) is not None for line in optima) == 1
-    assert any(line.startswith("closest feeder (6 leaves), fastest") for line in optima)
 
 
 @pytest.mark.usefixtures("coarse", "fastest_alone")

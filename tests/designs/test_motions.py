@@ -26,7 +26,7 @@ from vibro.designs.proofs import begin_load, change_loads
 from vibro.designs.questions import Question
 from vibro.designs.reading import read_spec
 from vibro.designs.rows import find
-from vibro.designs.spaces import MotionSpace, Scaled, space_of, uncertainty_set
+from vibro.designs.spaces import uncertainty_set
 from vibro.results.designs import DesignResult
 
 if TYPE_CHECKING:
@@ -115,16 +115,6 @@ def test_no_sampled_body_is_beyond_a_guarantee(seed: int) -> None:
         assert float(again) == pytest.approx(speed, rel=1e-12, abs=1e-15)
 
 
-def test_bodies_that_hop_are_sampled() -> None:
-    hops = vibro.Scene(motion=WAVE, motion_scale=2.0, frequency=22.0, **REST)
-    found = vibro.guarantee(hops, static_friction=(0.35, 0.45))
-    assert (found.proof_min, found.proof_max, found.samples) == ("sampled", "sampled", 4096)
-    assert found.regimes == {Regime.HOPPING}
-    one = vibro.guarantee(hops)
-    assert one.speed_min == one.speed_max == float(vibro.solve(hops).mean_velocity)
-    assert one.proof_min == "corners"
-
-
 def test_one_harmonic_is_an_ellipse() -> None:
     oval, wave = vibro.guarantee(ELLIPSE, **BANDS), vibro.guarantee(ONE, **BANDS)
     assert (oval.proof_min, wave.proof_min) == ("proved", "searched")
@@ -193,25 +183,6 @@ def test_yields_are_those_of_the_ellipse(monkeypatch: pytest.MonkeyPatch) -> Non
     oval, wave = (vibro.yield_share(scene, 0.064, **asked) for scene in (ELLIPSE, ONE))
     assert 0.1 < oval[0] < 0.9
     assert wave == pytest.approx(oval, abs=1e-4)
-
-
-def test_accelerations_do_not_depend_on_the_frequency() -> None:
-    """The load is that of the steps at any frequency, and speeds go with 1/f."""
-    space = space_of(vibro.Scene(motion=STEPS, frequency=7.0, **REST))
-    assert space.power == 0
-    assert space.unit == pytest.approx(6.0, rel=1e-12)
-    assert space.load(Scaled(1.5, 7.0), 9.81) == pytest.approx(9.0 / 9.81, rel=1e-12)
-    found = vibro.guarantee(vibro.Scene(motion=STEPS, frequency=2.0, **REST), frequency=(1.5, 3.0))
-    at_one = float(vibro.solve(vibro.Scene(motion=STEPS, frequency=1.0, **REST)).mean_velocity)
-    assert (found.speed_min, found.speed_max) == pytest.approx((at_one / 3.0, at_one / 1.5), rel=1e-12)
-
-
-def test_loads_of_harmonics_grow_with_the_square_of_the_frequency() -> None:
-    space = MotionSpace.of(WAVE)
-    one = float(vibro.Scene(motion=WAVE, frequency=1.0, **REST).load) * 9.81
-    assert space.power == 2
-    assert space.unit == pytest.approx(one, rel=1e-12)
-    assert space.load(Scaled(2.0, 3.0), 9.81) == pytest.approx(18.0 * one / 9.81, rel=1e-12)
 
 
 @pytest.mark.parametrize(("motion", "frequency"), [(STEPS, 2.0), (WAVE, 22.0), drawn(4), drawn(7)])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import pytest
@@ -224,57 +224,6 @@ def test_the_gentlest_setting_beside_a_jump_over_the_drive_angle_is_found() -> N
 # ------------------------------------------------------------------------------ margins and scenarios
 
 
-def line_search(**changes: Any) -> LineOptimiser:
-    drive = {"amplitude_mm": "0.5:1.25", "frequency_hz": 15, "drive_angle_deg": "10:40"}
-    return LineOptimiser(
-        asked(one_drive({"static_friction": "0.66:0.82", "friction_ratio": 0.77}, drive, **changes))
-    )
-
-
-def on_line(search: LineOptimiser, amplitude: float) -> Setting:
-    return search._question.space.setting(amplitude=amplitude, frequency=15.0, drive_angle=math.radians(20.0))
-
-
-@pytest.mark.parametrize(
-    ("speed", "most", "margin"),
-    [(0.04, 99.0, 4.0), (0.04, 2.5, 2.5), (0.005, 99.0, 0.5), (0.2, 99.0, 10.0), (0.2, 0.3, 0.3)],
-)
-def test_a_margin_ends_where_speed_or_regime_fail(
-    speed: float, most: float, margin: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    search = line_search()
-    monkeypatch.setattr(search, "least", lambda _, scale: speed / np.maximum(scale, 1e-9))
-    monkeypatch.setattr(search, "_holds", lambda _, scale: scale <= most)
-    found = search._margin(on_line(search, 1e-3), 0.01)
-    assert found is not None
-    assert found == (pytest.approx(margin, abs=1.1e-6) if margin < MOST_MARGIN else MOST_MARGIN)
-    assert found <= margin
-    monkeypatch.setattr(search, "_holds", lambda _, scale: scale < 0.0)
-    assert search._margin(on_line(search, 1e-3), 0.01) is None
-
-
-@pytest.mark.parametrize(("surplus", "slower"), [(-1e-6, False), (0.0, False), (5e-10, False), (1e-8, True)])
-def test_a_body_joins_that_is_slower_than_the_scenarios(surplus: float, slower: bool) -> None:
-    search = line_search(drift={"amplitude_percent": 2})
-    setting = on_line(search, 1e-3)
-    least = guarantee_of(search._question.box(setting)).found_min
-    search.scenarios = np.full((6, 1), 0.5)
-    assert search.confirmed(Optimum(setting, least * (1.0 + surplus)))[1] is slower
-    assert search.scenarios.shape == (6, 1 + slower)
-    assert not search.confirmed(Optimum(setting, least * (1.0 + surplus)))[1]
-
-
-@pytest.mark.parametrize("kind", [LineOptimiser, EllipseOptimiser])
-def test_bodies_that_are_slow_to_solve_are_searched_less(
-    kind: type[LineOptimiser | EllipseOptimiser],
-) -> None:
-    question = row_question("fastest-05") if kind is LineOptimiser else asked(LOOSE)
-    bouncing = replace(question, spec=replace(question.spec, restitution=(0.0, 0.3)))
-    plastic = replace(question, spec=replace(question.spec, restitution=(0.0, 0.0)))
-    asks = (bouncing, replace(plastic, highest=Regime.HOPPING), replace(bouncing, highest=Regime.HOPPING))
-    assert tuple(kind(one)._effort for one in asks) == kind._efforts
-
-
 # ------------------------------------------------------------------------------------------ ellipses
 
 FREQUENCY, FRICTION = 25.0, 0.3
@@ -359,15 +308,6 @@ def test_no_ellipse_is_faster_or_gentler() -> None:
     load = question.load(drawn)[speed >= target]
     assert load.size > 5
     assert load.min() >= float(question.load(gentlest.setting)) * (1 - 1e-6)
-
-
-def test_the_highest_of_all_frequencies_tells_whether_parts_may_hop() -> None:
-    """0.2 mm normal to the trough throw parts at 50 Hz alone."""
-    drive = {"along_amplitude_mm": 0.5, "normal_amplitude_mm": 0.2}
-    scene = {"static_friction": 0.4, "friction_ratio": 0.9}
-    for frequency, more in (("10, 50", True), (10, False)):
-        question = one_drive(scene, {**drive, "frequency_hz": frequency})
-        assert EllipseOptimiser(asked(question, Regime.HOPPING)).has_more() is more
 
 
 def test_the_numbers_of_the_documentation_about_the_bowl() -> None:

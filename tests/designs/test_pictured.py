@@ -13,15 +13,9 @@ from helpers.questions import answered, changed
 
 import vibro
 from vibro import Regime
-from vibro.designs import pictured
 from vibro.designs.design import chosen_of
 from vibro.designs.pictured import (
-    _begins,
-    _bodies,
-    _least,
-    _most,
     _tips,
-    _with_jumps,
     setting_fields,
     speed_band,
 )
@@ -87,14 +81,6 @@ def test_pictures_reach_beyond_the_drive() -> None:
     assert (fields.impact_speed, fields.flight_fraction) == (None, None)
 
 
-def test_pictures_reach_half_way_below_a_small_amplitude() -> None:
-    assert fields_of(0.2).amplitudes == pytest.approx((0.1, 3.75))
-
-
-def test_all_ranges_of_frequencies_are_shown() -> None:
-    assert fields_of(2.0, "list").frequency_hz == pytest.approx((8.0, 37.5))
-
-
 def test_guaranteed_speeds_over_the_load() -> None:
     fields = fields_of()
     static, kinetic = (x.ravel() for x in np.meshgrid([0.4, 0.45, 0.5], [0.3, 0.325, 0.35]))
@@ -116,16 +102,6 @@ def test_loads_at_which_regimes_begin() -> None:
         tuple(np.minimum(slips, 1.0 / math.sin(ANGLE))), rel=1e-9
     )
     assert begins[Regime.HOPPING] == pytest.approx((1.0 / math.sin(ANGLE),) * 2, rel=1e-9)
-
-
-def test_a_part_that_hops_has_passed_the_lower_regimes() -> None:
-    """A drive at 75 deg hops parts that would never slip back."""
-    begins = _begins(box_of(SCENE, angle=75.0))
-    hop = 1.0 / math.sin(math.radians(75.0))
-    assert begins[Regime.HOPPING] == begins[Regime.BACK_SLIP] == pytest.approx((hop, hop))
-    assert begins[Regime.FORWARD_SLIP][0] < hop
-    level = _begins(box_of({**SCENE, "trough_angle_deg": -1}, angle=0.0))
-    assert level[Regime.HOPPING] == (math.inf, math.inf)
 
 
 @pytest.mark.parametrize(
@@ -187,48 +163,6 @@ def test_parts_tip_or_hop(ratio: float, by_hop: bool) -> None:
         assert _tips(level, box_of(SCENE, angle=0.0)) == math.inf
 
 
-@pytest.mark.parametrize(("bands", "count"), [(0, 1), (1, 3), (2, 9), (4, 81), (5, 32)])
-def test_bodies_are_corners_and_middles_of_few_bands(bands: int, count: int) -> None:
-    scene: dict[str, Any] = {"static_friction": 0.5, "friction_ratio": 0.7, "restitution": 0.2}
-    drift: dict[str, Any] = {}
-    for (table, key), value in [
-        ((scene, "static_friction"), "0.4:0.5"), ((scene, "friction_ratio"), "0.7:0.8"),
-        ((scene, "trough_angle_deg"), "1:2"), ((drift, "drive_angle_deg"), 1),
-        ((drift, "amplitude_percent"), 3),
-    ][:bands]:  # fmt: skip
-        table[key] = value
-    box = box_of(scene, drift)
-    assert box.varies.sum() == bands
-    bodies = _bodies(box)
-    assert bodies.shape == (6, count)
-    assert len({tuple(column) for column in bodies.T}) == count
-    assert set(bodies[box.varies].ravel()) == (
-        set() if not bands else {0.0, 1.0} | ({0.5} if bands < 5 else set())
-    )
-    assert not bodies[~box.varies].any()
-
-
-@pytest.mark.parametrize(("restitution", "points"), [(0.0, 801), (0.3, 81)])
-def test_both_sides_of_every_jump_are_drawn(restitution: float, points: int) -> None:
-    spec = replace(chosen()[0], restitution=(0.0, restitution))
-    begins = {Regime.FORWARD_SLIP: (0.5, 1.0), Regime.BACK_SLIP: (3.3, 8.0), Regime.HOPPING: (9.0, math.inf)}
-    values = _with_jumps(1.0, 8.0, begins, spec)
-    assert values.size == points + 2  # ends and what lies beyond are no jumps within
-    assert (values[0], values[-1]) == (1.0, pytest.approx(8.0))
-    beside = values[np.abs(values / 3.3 - 1.0) < 2e-9] / 3.3 - 1.0
-    assert beside == pytest.approx([-1e-9, 1e-9], rel=1e-6)
-    others = values[np.abs(values / 3.3 - 1.0) >= 2e-9]
-    assert np.diff(np.log(others)) == pytest.approx(np.full(points - 1, math.log(8.0) / (points - 1)))
-
-
-def test_rows_of_speeds_without_what_is_unknown() -> None:
-    nan, inf = math.nan, math.inf
-    values = np.array([[nan, 1.0, 2.0], [nan, nan, nan], [3.0, -inf, nan], [inf, 1.0, nan], [inf, nan, inf]])
-    np.testing.assert_array_equal(_least(values), [1.0, nan, -inf, 1.0, nan])
-    np.testing.assert_array_equal(_most(values[:4]), [2.0, nan, 3.0, inf])
-    np.testing.assert_array_equal(_most(np.array([[-inf, nan]])), [nan])
-
-
 def onset(scene: dict[str, Any], mu_s: float) -> float:
     """Amplitude [mm] of the forward onset at 15 Hz."""
     return 1e3 * UNIT / 15.0**2 * float(critical_loads_of_lines(ANGLE, mu_s, 0.3, 0.0).forward_onset)
@@ -252,14 +186,6 @@ def test_the_band_of_speeds_reaches_from_rest_beyond_the_design(
     assert (band.amplitude[0], band.amplitude[-1]) == pytest.approx((low, high), rel=1e-9)
 
 
-def test_the_band_of_speeds_ends_beyond_the_first_hop() -> None:
-    """On the steepest trough of a band; the last part hops on the level one."""
-    drive = {**DRIVE, "frequency_hz": 15, "amplitude_mm": "1:9"}
-    band = speed_band(*chosen(2.0, scene={**SCENE, "trough_angle_deg": "-9:6"}, drive=[drive]))
-    hop = 1e3 * UNIT / 15.0**2 * math.cos(math.radians(9.0)) / math.sin(ANGLE)
-    assert band.amplitude[-1] == pytest.approx(1.25 * hop, rel=1e-9)
-
-
 def test_speeds_of_the_slowest_the_middle_and_the_fastest_part() -> None:
     goal = {"speed_mm_s": 5, "highest_regime": "hopping"}
     band = speed_band(*chosen(2.0, window=(1.1, 2.2), goal=goal, drive=[{**DRIVE, "frequency_hz": 15}]))
@@ -281,11 +207,3 @@ def test_speeds_of_the_slowest_the_middle_and_the_fastest_part() -> None:
         (band.speed_max, np.nanmax(fast, axis=1)),
     ):  # fmt: skip
         np.testing.assert_allclose(found[indices], expected, rtol=1e-6, atol=1e-9)
-
-
-@pytest.mark.parametrize("window", [(None, None), (1.1, None), (None, 2.2)])
-def test_a_window_without_an_end_is_not_drawn(window: Any) -> None:
-    fewer = pytest.MonkeyPatch()
-    with fewer.context() as patch:
-        patch.setattr(pictured, "_POINTS", {False: 5, True: 5})
-        assert speed_band(*chosen(window=window)).window is None

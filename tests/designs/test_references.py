@@ -92,30 +92,6 @@ def test_ranges(row: dict[str, Any]) -> None:
     assert sorted(regime.label for regime in found.regimes) == answer["regimes"]
 
 
-@of("window")
-def test_where_no_amplitude_will_do_the_fastest_one_is_known(row: dict[str, Any]) -> None:
-    if row["answer"]["feasible"]:
-        low, high = row["answer"]["amplitude_mm"]
-        for amplitude, holds in (
-            (low * (1 + 1e-7), True),
-            (low * (1 - 1e-7), False),
-            (high * (1 - 1e-7), True),
-        ):
-            found = vibro.guarantee(scene_of(row, amplitude=amplitude / 1e3), **friction_of(row))
-            assert (1e3 * found.found_min >= row["target_mm_s"]) is holds
-        return
-    optimiser = LineOptimiser(question_of(row))
-    assert optimiser.least_acceleration(row["target_mm_s"] / 1e3) is None
-    fastest = optimiser.fastest()
-    assert guaranteed(row, fastest) == pytest.approx(
-        row["answer"]["largest_guaranteed_speed_mm_s"], rel=row["rtol"]
-    )
-    assert fastest is not None
-    assert 1e3 * turned(row, fastest)["amplitude"] == pytest.approx(
-        row["answer"]["at_amplitude_mm"], rel=row["rtol"]
-    )
-
-
 @of("fastest")
 def test_fastest(row: dict[str, Any]) -> None:
     answer, question = row["answer"], question_of(row)

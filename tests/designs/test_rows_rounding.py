@@ -6,11 +6,10 @@ import math
 
 import pytest
 
-from vibro.designs.questions import Drive, Input, nearest
-from vibro.designs.rows import DIGITS, more_digits, moved, roundings, setting_of
+from vibro.designs.questions import Drive, Input
+from vibro.designs.rows import moved, roundings, setting_of
 from vibro.designs.spaces import SPACES, Setting
 from vibro.drives import Line
-from vibro.reals import rounded
 
 
 @pytest.mark.parametrize(
@@ -41,15 +40,6 @@ def test_an_angle_that_may_be_zero_is_rounded_to_decimals(name: str, value: floa
 
 
 @pytest.mark.parametrize(
-    ("value", "below", "above"), [(1.2345, 1.23, 1.24), (1.23, 1.23, 1.23), (98765.0, 98700.0, 98800.0)]
-)
-def test_rounding_has_one_direction(value: float, below: float, above: float) -> None:
-    assert rounded(value, 3, down=True) == below
-    assert rounded(value, 3, down=False) == above
-    assert nearest(1.2351, 3) == 1.24
-
-
-@pytest.mark.parametrize(
     ("value", "steps", "up", "expected"),
     [
         (1.2345, 0, True, 1.24), (1.2345, 0, False, 1.23), (1.2345, 2, True, 1.26),
@@ -61,17 +51,6 @@ def test_values_move_by_steps_of_their_last_digit(
     value: float, steps: int, up: bool, expected: float
 ) -> None:
     assert moved(value, 3, steps, up=up) == pytest.approx(expected, rel=1e-13)
-
-
-def test_zero_has_no_last_digit_to_move_by() -> None:
-    assert moved(0.0, 9, 3, up=True) == 0.0
-
-
-def test_more_digits_follow_few_ones_in_small_steps() -> None:
-    assert more_digits(DIGITS) == [4, 5, 6, 7, 9, 12, 15]
-    assert more_digits(9) == [9, 12, 15]
-    assert more_digits(8) == [8, 9, 12, 15]
-    assert more_digits(15) == [15]
 
 
 def drive(*, in_stroke: bool = False, **choices: tuple[float, float]) -> Drive:
@@ -126,8 +105,3 @@ def test_what_the_user_gave_keeps_its_digits() -> None:
     assert {printed[1] for printed in roundings(fixed, line(1e-3, 58.0 / 3.0), 4, up=True)} == {
         19.3333333333333
     }
-
-
-def test_where_two_constraints_meet_the_angle_moves_too() -> None:
-    angles = [printed[2] for printed in roundings(drive(), line(1.2345e-3), 4, up=True)]
-    assert list(dict.fromkeys(angles)) == [20.05, 20.06, 20.04, 20.07, 20.03, 20.08, 20.02]

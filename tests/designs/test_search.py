@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vibro.designs.search import close_in, evolve, placed, scatter, sobol
+from vibro.designs.search import close_in, evolve, scatter, sobol
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -44,17 +44,6 @@ def test_widths_end_a_search(at: float, sections: int) -> None:
     assert np.all(high - low <= 1e-3 * np.abs(low) + 1e-9)
 
 
-def test_what_is_no_number_does_not_hold() -> None:
-    holding, _ = close_in(lambda x: np.where(x > 2.0, np.nan, 1.0), 0.0, 8.0)
-    assert holding == 2.0
-
-
-def test_free_axes_are_placed() -> None:
-    free = np.array([False, True, False, True])
-    np.testing.assert_array_equal(placed(free, np.array([[0.2, 0.4], [1.0, 0.0]])),
-                                  [[0, 0], [0.2, 0.4], [0, 0], [1.0, 0.0]])  # fmt: skip
-
-
 @pytest.mark.parametrize("corner", [(0.0, 1.0), (1.0, 1.0), (0.3, 0.0)])
 def test_minima_on_faces_are_found_exactly(corner: tuple[float, float]) -> None:
     at = np.array(corner)[:, None]
@@ -82,32 +71,6 @@ def test_points_that_do_not_count_are_no_minima() -> None:
     assert math.isnan(
         scatter(lambda x: np.full(x.shape[1], np.nan), sobol(1, 3, 0), more=8, rounds=2, seed=0)[1]
     )
-
-
-def sampled(cost: Any, first: Floats, more: int, rounds: int) -> list[Floats]:
-    """Return the points at which samples look, round by round."""
-    met: list[Floats] = []
-
-    def recorded(x: Floats) -> Floats:
-        met.append(x)
-        return np.asarray(cost(x))
-
-    scatter(recorded, first, more=more, rounds=rounds, seed=1)
-    return met
-
-
-@pytest.mark.parametrize(("more", "each"), [(8, 8), (10, 16), (40, 40)])
-def test_as_many_samples_lie_around_each_of_the_best(more: int, each: int) -> None:
-    met = sampled(lambda x: np.abs(x - 0.5).sum(axis=0), np.full((2, 8), 0.5), more, 3)
-    assert [x.shape for x in met] == [(2, 8)] + [(2, each)] * 3
-
-
-def test_samples_come_closer_around_the_best_within_the_cube() -> None:
-    """A tenth of the cube about their middle at first, then 0.4 times as wide; costs that are all equal."""
-    met = sampled(lambda x: np.where((x == 0.5).all(axis=0), 0.0, 1.0), np.full((2, 8), 0.5), 8000, 3)
-    assert [float(np.std(x)) for x in met[1:]] == pytest.approx([0.1, 0.04, 0.016], rel=0.03)
-    corner = np.hstack(sampled(lambda x: x.sum(axis=0), np.zeros((2, 8)), 64, 2))
-    assert corner.min() == 0.0 < corner.max() <= 1.0
 
 
 @pytest.mark.parametrize("sections", [1, 3])

@@ -60,17 +60,6 @@ def test_costs_are_those_of_small_changes(changes: dict[str, float], request: py
     assert costs == pytest.approx(differences(scene), rel=1e-6, abs=1e-7 * size)
 
 
-def test_faster_has_one_sign_both_ways() -> None:
-    backwards = scene_with(amplitude=0.9e-3, trough_angle=math.radians(27))
-    assert vibro.solve(backwards).mean_velocity < 0
-    assert numbers(backwards)["trough_angle_deg"] > 0 > numbers(scene_with())["trough_angle_deg"]
-    assert numbers(scene_with())["amplitude"] > 1
-
-
-def test_nothing_of_an_angle_of_zero_costs_nothing() -> None:
-    assert speed_costs(scene_with(drive_angle=0.0, trough_angle=-0.1))["drive_angle"] == 0.0
-
-
 @pytest.mark.parametrize(
     ("changes", "why"),
     [
@@ -115,13 +104,6 @@ def test_bodies_that_hop_smoothly_have_costs(pattern: str, changes: dict[str, fl
         unit = 1e-2 if name.endswith("_deg") else 1e-4
         scaled = 100.0 if name.endswith("_deg") else 1.0
         assert cost == pytest.approx(scaled * (more - less) / (2 * unit * speed), rel=1e-3, abs=1e-5)
-
-
-def test_at_equal_frictions_the_side_that_can_be_is_taken() -> None:
-    """There is no more kinetic friction, and no less static friction."""
-    equal = numbers(scene_with(amplitude=4e-3, kinetic_friction=0.74))
-    beside = numbers(scene_with(amplitude=4e-3, kinetic_friction=0.74 * (1 - 1e-4)))
-    assert equal == pytest.approx(beside, rel=1e-2, abs=1e-6)
 
 
 def test_irregular_hops_have_no_costs() -> None:

@@ -11,7 +11,7 @@ import pytest
 
 from vibro import solve
 from vibro.designs.questions import Drift
-from vibro.designs.spaces import SPACES, Setting, UncertaintySet, cut, inside, off
+from vibro.designs.spaces import SPACES, Setting, UncertaintySet, inside
 from vibro.drives import Ellipse, Line
 
 LINES, OVALS = SPACES[Line], SPACES[Ellipse]
@@ -58,10 +58,6 @@ def test_the_load_is_the_largest_acceleration_along_the_path(phase: float, radiu
     assert float(Setting(3e-3, 4e-3, phase, 10.0).load(9.81)) == pytest.approx(expected, rel=1e-12)
 
 
-def test_both_amplitudes_are_scaled() -> None:
-    assert Setting(1.0, 2.0, 3.0, 4.0).scaled(3.0) == (3.0, 6.0, 3.0, 4.0)
-
-
 @pytest.mark.parametrize(
     ("x", "y", "name", "size"), [(3e-3, 1e-3, "along_amplitude", 3e-3), (0.0, 1e-3, "normal_amplitude", 1e-3)]
 )
@@ -94,46 +90,12 @@ def test_the_drift_of_a_drive_angle_is_cut(
     assert shape["drive_angle"] == pytest.approx(expected)
 
 
-def test_the_drifts_of_an_ellipse() -> None:
-    drift = Drift(amplitude=0.05, drive_angle=9.0, normal_phase=0.1)
-    factor, shape = OVALS.band(Setting(3e-3, 1e-3, -0.5, 25.0), drift, 3.0, 1.4)
-    assert factor == pytest.approx((0.85, 1.15))
-    assert list(shape) == ["along_amplitude", "normal_amplitude", "normal_phase"]
-    assert shape["along_amplitude"] == (3e-3, 3e-3)
-    assert shape["normal_amplitude"] == (1e-3, 1e-3)
-    assert shape["normal_phase"] == pytest.approx((-0.8, -0.2))
-
-
-def test_motions_and_their_normal_parts() -> None:
-    assert LINES.motion(2e-3, (0.3,)) == {"amplitude": 2e-3, "drive_angle": 0.3}
-    assert OVALS.motion(2.0, (3e-3, 1e-3, 0.1)) == pytest.approx(
-        {"along_amplitude": 6e-3, "normal_amplitude": 2e-3, "normal_phase": 0.1}
-    )
-    assert LINES.normal((math.pi / 6,)) == pytest.approx(0.5)
-    assert OVALS.normal((3e-3, 1e-3, 0.1)) == 1e-3
-    assert (LINES.proves, OVALS.proves) == (True, False)
-
-
 def test_shares_of_a_band_are_exact_at_both_ends() -> None:
     """0.3 + (0.9 - 0.3) is more than 0.9 in doubles."""
     found = inside((0.3, 0.9), np.array([0.0, 0.25, 1.0]))
     assert found.tolist() == [0.3, pytest.approx(0.45), 0.9]
     below = np.nextafter(1.0, 0.0)
     assert 0.3 + below * (0.9 - 0.3) <= float(inside((0.3, 0.9), np.array(below))) <= 0.9
-
-
-def test_bands_are_cut_at_both_ends() -> None:
-    assert [float(x) for x in cut((-2.0, 5.0), 0.0, 3.0)] == [0.0, 3.0]
-    assert [float(x) for x in cut((1.0, 2.0), 0.0, 3.0)] == [1.0, 2.0]
-    assert [float(x) for x in cut((-2.0, -1.0), 0.0, 3.0)] == [0.0, 0.0]
-    assert [float(x) for x in cut((4.0, 5.0), 0.0, 3.0)] == [3.0, 3.0]
-
-
-@pytest.mark.parametrize(
-    ("share", "expected"), [(0.0, (2.0, 2.0)), (0.1, (1.8, 2.2)), (1.0, (2e-6, 4.0)), (2.5, (2e-6, 7.0))]
-)
-def test_relative_drifts_keep_values_positive(share: float, expected: tuple[float, float]) -> None:
-    assert [float(x) for x in off(2.0, share)] == pytest.approx(list(expected), rel=1e-12)
 
 
 def test_axes_of_a_box() -> None:
@@ -148,24 +110,11 @@ def test_axes_of_a_box() -> None:
     assert oval_box().varies.tolist() == [True, False, True, True, True, True, True, True]
 
 
-def test_loads_of_a_box() -> None:
-    """From the smallest amplitude at the lowest frequency to the largest at the highest."""
-    low, high = (1e-3 * (TURN * 12) ** 2 / 9.81, 1.5e-3 * (TURN * 15) ** 2 / 9.81)
-    assert [float(x) for x in line_box().load] == pytest.approx([low, high], rel=1e-12)
-    low, high = (0.9 * (TURN * 12) ** 2 / 9.81, 1.1 * (TURN * 15) ** 2 / 9.81)
-    assert [float(x) for x in oval_box().load] == pytest.approx([low, high], rel=1e-12)
-
-
 @pytest.mark.parametrize("troughs", [(-0.3, 0.1), (-0.1, 0.3)])
 def test_the_first_body_hops_on_the_steepest_trough_with_the_steepest_drive(troughs: Any) -> None:
     expected = math.cos(0.3) / math.sin(0.4)
     assert float(line_box(trough_angle=troughs).hop_load) == pytest.approx(expected, rel=1e-12)
     assert float(oval_box(trough_angle=troughs).hop_load) == pytest.approx(math.cos(0.3) / 3e-4, rel=1e-12)
-
-
-def test_a_trough_that_does_not_move_along_its_normal_throws_no_body() -> None:
-    assert math.isinf(float(line_box(shape={"drive_angle": (0.0, 0.0)}).hop_load))
-    assert line_box(shape={"drive_angle": (0.0, 0.0)}).throw_number == 0.0
 
 
 @pytest.mark.parametrize(("factor", "hops"), [(1.0, False), (1.0 + 1e-12, True), (1.0 - 1e-12, False)])
@@ -219,14 +168,6 @@ def test_points_have_the_coordinates_that_they_were_made_of(box: Any, is_ratio: 
     np.testing.assert_allclose(made.coordinates(made.points(shares)), expected, atol=1e-14)
 
 
-def test_points_of_an_ellipse_keep_their_axes_apart() -> None:
-    shares = np.array([[0.0], [1.0], [1.0], [0.0], [0.5], [1.0], [0.0], [1.0]])
-    points = oval_box().points(shares)
-    assert [float(x[0]) for x in points.shape] == [1e-3, 3e-4, -1.0]
-    others = points.trough_angle, points.static_friction, points.kinetic_friction, points.restitution
-    assert [float(x[0]) for x in others] == pytest.approx([-0.025, 0.8, 0.3, 0.3])
-
-
 @pytest.mark.parametrize("share", [0.0, 0.2, 0.6, 1.0])
 def test_one_load_is_fast_at_its_lowest_frequency_and_slow_at_its_highest(share: float) -> None:
     box = line_box()
@@ -247,14 +188,6 @@ def test_one_load_is_fast_at_its_lowest_frequency_and_slow_at_its_highest(share:
         )
     speeds = [float(solve(box.scene(points, fast=fast)).mean_velocity[0]) for fast in (True, False)]
     assert abs(speeds[0]) >= abs(speeds[1]) * (1 - 1e-12)
-
-
-def test_a_single_factor_keeps_its_value_to_the_last_bit() -> None:
-    box = line_box(factor=(1.3e-3, 1.3e-3))
-    for fast in (True, False):
-        fields: Any = box.scene(box.points(np.linspace(0.0, 1.0, 7) * np.ones((6, 1))), fast=fast).arrays()
-        assert fields.amplitude.tolist() == [1.3e-3] * 7
-        assert np.ravel(fields.frequency)[[0, -1]] == pytest.approx([12.0, 15.0], rel=1e-15)
 
 
 def test_many_boxes_have_a_row_each() -> None:

