@@ -20,7 +20,6 @@ Fields = dict[str, Floats]
 FREQUENCY = 20.0
 GRAVITY = 9.81
 LENGTH = GRAVITY / (TURN * FREQUENCY) ** 2  # g/w^2
-SPEED = GRAVITY / (TURN * FREQUENCY)  # g/w
 
 # Values that need many digits: period, displacement a turn over A cos(alpha).
 CHAOTIC = (
@@ -66,15 +65,6 @@ def exactly(values: tuple[float, ...]) -> Settled:
     return found
 
 
-def test_flights_last_as_long_as_the_closed_form_says() -> None:
-    turns = np.array([0.01, 0.1, 0.3, 0.6, 0.9, 0.99])
-    angle = TURN * turns
-    cotangent = (np.cos(angle) + 0.5 * angle**2 - 1.0) / (angle - np.sin(angle))
-    found = recurrence(at_throw(np.hypot(cotangent, 1.0), 30.0, 0.5, 0.4))
-    assert found.period.tolist() == [1] * 6
-    assert found.flight_fraction == pytest.approx(turns, rel=1e-9)
-
-
 def test_published_cycles() -> None:
     in_flight = recurrence(at_throw([1.5, 2.0, 2.5, 3.0], 20.0, 0.74, 0.57))
     assert in_flight.displacement / LENGTH == pytest.approx(
@@ -87,26 +77,6 @@ def test_published_cycles() -> None:
     assert speed == pytest.approx(
         [5.454804, 16.263456, 30.743137, 40.590623, 67.617507, 113.297416], abs=1e-6
     )
-
-
-def test_a_landing_is_the_first() -> None:
-    rng = np.random.default_rng(1)
-    n, throw = 300, 4.0
-    phase, rise = rng.uniform(0.0, TURN, n), rng.uniform(0.0, 6.0, n)
-    after = np.linspace(0.0, TURN, 20_001)[1:]
-    p = phase[:, None]
-    height = (
-        (rise[:, None] + throw * np.cos(p)) * after - throw * (np.sin(p + after) - np.sin(p)) - after**2 / 2.0
-    )
-    first = np.argmax(height < 0.0, axis=1)
-    lands = phase + after[first]
-    # Those that land on a trough which presses up till the end of the turn stay there.
-    stay = (height < 0.0).any(axis=1) & (lands > math.pi) & (lands < TURN - 0.01)
-    assert stay.sum() > 50
-    bodies = Bodies(at_throw(throw, 30.0, 0.5, 0.4), n, start=(phase, rise * SPEED, 0.0))
-    bodies.turn()
-    assert bodies.landings[stay].tolist() == [1] * stay.sum()
-    assert bodies.flying[stay] == pytest.approx(after[first][stay], abs=TURN / 20_000)
 
 
 @pytest.mark.parametrize(("throw", "e"), [(2.2, 0.3), (1.2, 0.5)])
@@ -143,13 +113,6 @@ def test_digits_decide(values: tuple[float, ...], period: int, displacement: flo
     assert truth.displacement / math.cos(values[1]) == pytest.approx(displacement, abs=1e-5)
 
 
-def test_without_kinetic_friction_a_body_keeps_the_speed_of_its_onset() -> None:
-    amplitude, alpha, mu_s, _, _ = WITHOUT_CONTACT
-    onset = mu_s / (math.cos(alpha) + mu_s * math.sin(alpha)) * LENGTH / amplitude
-    expected = TURN * math.cos(alpha) * math.sqrt(1.0 - onset**2)
-    assert exactly(WITHOUT_CONTACT).displacement == pytest.approx(expected, rel=1e-14)
-
-
 def test_noise_shows_where_rounding_repeats(monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("FIRST_WINDOW", "MOST_PERIOD"):
         monkeypatch.setattr(bouncing_runs, name, 32)
@@ -158,14 +121,3 @@ def test_noise_shows_where_rounding_repeats(monkeypatch: pytest.MonkeyPatch) -> 
     assert means.error[0] > 1e-3 * size[0]
     assert means.error[1] < 1e-12 * size[1]
     assert means.displacement[1] == pytest.approx(recurrence(both).displacement[1], rel=1e-9)
-
-
-def test_a_push_sets_off_a_body_on_a_slope_between_the_angles_of_friction() -> None:
-    slope = at_throw([0.02, 0.05], 20.0, 0.5, 0.2, 0.0, math.atan(-0.3))
-    assert recurrence(slope).displacement.tolist() == [0.0, 0.0]
-    assert recurrence(slope, start=(0.0, 0.0, 2.0 * SPEED)).runs_away.all()
-
-
-def test_digits_refuse_a_body_that_does_not_hop() -> None:
-    with pytest.raises(ValueError, match="hop"):
-        exactly((1e-4, 0.5, 0.5, 0.4, 0.0))

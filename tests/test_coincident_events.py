@@ -153,12 +153,6 @@ def test_a_history_comes_to_the_steady_cycle(name: str) -> None:
     assert all(one.end == other.start for one, other in pairwise(history.phases))
 
 
-def test_a_body_lifts_off_where_its_slide_stops() -> None:
-    found = phases(SOLVED["stop at a lift-off"].drive, 3)
-    assert [kind for kind, _ in found] == list("BHBHBH")
-    assert [start for _, start in found] == pytest.approx([0.05 * i for i in range(6)], abs=1e-15)
-
-
 def test_friction_holds_a_body_that_stops_at_its_limit() -> None:
     """It coasts to rest at 0.75, where F = mu_d N = mu_s N begins, and stays until 1."""
     drive = scene([(0.375, 2.0), (0.25, -2.0), (0.125, 0.0), (0.25, -1.0)], None, 0.125, 0.125)
@@ -197,12 +191,6 @@ def test_a_landing_at_phase_0_belongs_to_the_next_cycle(drive: Scene, time: floa
     history = vibro.simulate(drive, cycles=6)
     assert history.sample(time).position == pytest.approx(position, rel=1e-13)
     assert all(one.end == other.start for one, other in pairwise(history.phases))
-
-
-def test_each_flight_of_a_cycle_may_land_at_phase_0() -> None:
-    found = phases(SOLVED["landing at a lift-off"].drive, 6)
-    assert [kind for kind, _ in found] == list("HHHHHH")
-    assert [start for _, start in found] == pytest.approx(range(6), abs=1e-14)
 
 
 def test_an_arrival_counts_the_cycles_of_landings_at_phase_0() -> None:

@@ -90,34 +90,6 @@ def test_the_table_of_critical_scales(row: dict[str, str]) -> None:
     assert names[-1] == "hopping"
 
 
-def test_one_harmonic_has_the_critical_loads_of_its_ellipse() -> None:
-    random, looked = np.random.default_rng(7), 0
-    for _ in range(60):
-        x, y, phase = (
-            random.uniform(0.2, 1.0) * 1e-3,
-            random.uniform(0.1, 1.0) * 1e-3,
-            random.uniform(-3.1, 3.1),
-        )
-        mu_s = random.uniform(0.15, 0.9)
-        mu_d = mu_s * random.uniform(0.5, 1.0)
-        others = {
-            "frequency": 20.0, "static_friction": mu_s, "kinetic_friction": mu_d,
-            "trough_angle": random.uniform(-0.9, 0.9) * math.atan(mu_d),
-        }  # fmt: skip
-        ellipse = vibro.Scene(along_amplitude=x, normal_amplitude=y, normal_phase=phase, **others)
-        wave = vibro.Scene(along_harmonics=[(x, 0.0)], normal_harmonics=[(y, phase)], **others)
-        ours, theirs = vibro.critical_loads(wave), vibro.critical_loads(ellipse)
-        for name in ("hop", "forward_onset", "back_onset"):
-            assert getattr(ours, name) == pytest.approx(getattr(theirs, name), rel=1e-13)
-        for name in ("back_slip", "continuous_sliding"):
-            # a body from phase 0 may lead to another cycle where several coexist
-            load = float(getattr(theirs, name))
-            if load < 0.999 * float(theirs.hop):
-                assert getattr(ours, name) == pytest.approx(load, rel=1e-11), name
-                looked += 1
-    assert looked > 60
-
-
 def test_loads_do_not_depend_on_scale_frequency_and_gravity_and_broadcast() -> None:
     fields: dict[str, Any] = {
         "along_harmonics": [(1e-3, 0.0), (2e-4, 1.0)], "normal_harmonics": [(np.array([5e-4, 8e-4]), 0.4)],
@@ -185,7 +157,7 @@ def test_a_slip_stick_conveyor_of_steps() -> None:
         assert t.amplitude == pytest.approx(float(conveyor().reach) * t.scales[0], rel=1e-14)
 
 
-@pytest.mark.parametrize("angle", [0.0, 0.05, -0.1])
+@pytest.mark.parametrize("angle", [0.05, -0.1])
 def test_a_trapezoid_both_ways(angle: float) -> None:
     share = np.arange(64) / 64
     ramp = np.clip(4.0 * np.sin(2.0 * np.pi * share), -1.0, 1.0)
@@ -215,43 +187,6 @@ def test_a_clamped_part_on_a_vertical_track() -> None:
     assert check_ends(at, 1e5) >= 2
     weaker = vibro.critical_loads(conveyor(normal_acceleration=60.0, trough_angle=math.pi / 2, gravity=1.0))
     assert float(weaker.forward_onset) == pytest.approx((0.3 * 60.0 + 1.0), rel=1e-13)
-
-
-def test_a_back_slide_behind_more_legs_than_a_pattern_has_letters() -> None:
-    """Twenty pulses push the part forward, one at the end back: 42 legs, of which a code has 27."""
-    pulses = [(0.015, -5.0), (0.025, 2.2)] * 20
-    motion = vibro.Motion.steps(along=[*pulses, (0.1, 3.2), (0.1, 0.8)])
-    cycle = vibro.solve(conveyor(1.0, motion))
-    assert cycle.status == Status.OK
-    assert cycle.pattern == "F_" * 20 + "B_"
-    assert cycle.regime == Regime.BACK_SLIP
-    onset = 0.3 * 9.81 / 3.2
-    assert intervals(conveyor(1.0, motion))["back slip"][0][0] == pytest.approx(onset, rel=1e-13)
-    assert vibro.solve(conveyor(onset * (1.0 - 1e-9), motion)).regime == Regime.FORWARD_SLIP
-    assert vibro.solve(conveyor(onset * (1.0 + 1e-9), motion)).regime == Regime.BACK_SLIP
-
-
-# --------------------------------------------------------------------------------- lines and ellipses
-
-
-@pytest.mark.parametrize(
-    "drive",
-    [
-        {"amplitude": 1e-3, "drive_angle": math.radians(20)},
-        {"along_amplitude": 1e-3, "normal_amplitude": 4e-4, "normal_phase": 0.4},
-    ],
-    ids=["line", "ellipse"],
-)
-def test_motions_of_one_harmonic_last_until_the_hop(drive: dict[str, float]) -> None:
-    scene = Scene(frequency=15.0, static_friction=0.74, kinetic_friction=0.57, **drive)
-    hop = float(vibro.critical_loads(scene).hop)
-    found = vibro.transitions(scene)
-    assert [t.name for t in found] == ["forward slip", "back slip", "continuous sliding", "hopping"]
-    for t in found:
-        assert t.loads[0] == t.load == pytest.approx(float(scene.load) / t.ratio, rel=1e-15)
-        assert t.loads[1] == (math.inf if t.name == "hopping" else pytest.approx(hop, rel=1e-15))
-        assert t.scales[0] == pytest.approx(t.amplitude / float(scene.reach), rel=1e-15)
-        assert t.scales[1] == pytest.approx(t.loads[1] / float(scene.load), rel=1e-15)
 
 
 # --------------------------------------------------------------------------------------------- tipping

@@ -112,15 +112,6 @@ def test_statuses(made: Scene, status: Status, regime: Regime, pattern: str) -> 
     assert bool(np.isnan(cycle.displacement_per_cycle)) == (pattern == "")
 
 
-def test_what_hops_is_not_modelled_without_flights() -> None:
-    cycle = solve(scene(across=(0.5, 0.3)), flight=False)
-    assert (Status(int(cycle.status)), Regime(int(cycle.regime))) == (
-        Status.FLIGHT_NOT_MODELLED,
-        Regime.HOPPING,
-    )
-    assert np.isnan(cycle.displacement_per_cycle)
-
-
 @pytest.mark.parametrize(
     ("size", "status", "pattern"),
     [(1.0 - 1e-9, Status.OK, "_"), (1.0, Status.BOUNDARY, "_"), (1.0 + 1e-9, Status.OK, "F_B_F_B_")],
@@ -147,22 +138,6 @@ def test_hopping_just_below_at_and_just_above(size: float, status: Status, regim
     # what hops hardly moves as what hardly does not
     below = solve(scene(across=(0.0, 0.25 * (1.0 - 1e-6))))
     assert float(cycle.displacement_per_cycle) == pytest.approx(float(below.displacement_per_cycle), abs=1e-5)
-
-
-def test_rest_at_phase_0_inside_a_window_slides_at_once() -> None:
-    made = scene(along=(1.0, 0.2), phases=(0.5 * math.pi, 0.0))
-    arrays = random_harmonics(1, 1)
-    one = replaced(
-        arrays,
-        along_harmonics=[(np.array([1.0]), np.array([0.5 * math.pi])), (np.array([0.2]), np.array([0.0]))],
-        normal_harmonics=[(np.zeros(1), np.zeros(1))] * 2,
-        static_friction=np.array([0.4]), kinetic_friction=np.array([0.3]), trough_angle=np.zeros(1),
-    )  # fmt: skip
-    drive = drive_of(one, 0)
-    assert drive.begins(1, 0.0) > 0.0
-    cycle, found = drive.settle(), solve(made)
-    assert str(found.pattern) == cycle.pattern
-    assert float(found.displacement_per_cycle) == pytest.approx(cycle.displacement, abs=1e-9)
 
 
 def test_other_cycles_are_told_where_bodies_reach_them() -> None:

@@ -33,19 +33,6 @@ def test_either_motion_may_be_left_out_or_have_fewer_harmonics() -> None:
     assert len(most.motion.along) == MOST_HARMONICS
 
 
-def test_one_harmonic_is_an_ellipse() -> None:
-    phase = np.radians(np.arange(-170.0, 171.0, 20.0))
-    ellipse = Scene(along_amplitude=1e-3, normal_amplitude=1e-3, normal_phase=phase, **REST)
-    harmonic = Scene(along_harmonics=[(1e-3, 0.0)], normal_harmonics=[(1e-3, phase)], **REST)
-    np.testing.assert_allclose(harmonic.load, ellipse.load, rtol=1e-14)
-    np.testing.assert_allclose(harmonic.reach, ellipse.reach, rtol=1e-14)
-    a, b = solve(ellipse), solve(harmonic)
-    assert a.pattern.tolist() == b.pattern.tolist()
-    np.testing.assert_allclose(
-        b.displacement_per_cycle, a.displacement_per_cycle, rtol=0.0, atol=1e-13 * 1e-3
-    )
-
-
 def test_every_coefficient_broadcasts() -> None:
     second = np.radians([-90.0, 0.0, 90.0])
     harmonics: Any = [([[1e-3], [2e-3]], 0.0), (0.3e-3, second)]
@@ -67,12 +54,3 @@ def test_fields_are_replaced() -> None:
     assert again.along_harmonics is not None
     with pytest.raises(ValueError, match="read-only"):
         again.along_harmonics[0][0][...] = 1.0
-
-
-def test_bodies_that_hop_are_followed() -> None:
-    """Without a motion along the trough nothing is conveyed."""
-    cycle = solve(Scene(normal_harmonics=[(1e-3, 0.0), (3e-3, 0.0)], **REST))
-    assert cycle.status == Status.OK
-    assert cycle.throw_number > 1.0
-    assert cycle.mean_velocity == 0.0
-    assert 0.0 < cycle.flight_fraction < 1.0

@@ -10,8 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from helpers.plans import plan_of, written
-from pyarrow import parquet
 
 import vibro
 from vibro import Status
@@ -21,12 +19,9 @@ from vibro.core.timeline import turn_letters
 from vibro.steady import scale_slope
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from numpy.typing import ArrayLike
 
 FREQUENCY = 15.0
-LETTERS = " HFB_"
 
 
 def alone(number: int, phase: float = 0.0, size: float = 0.5e-3, **more: Any) -> vibro.Scene:
@@ -43,14 +38,6 @@ def pulses(scale: ArrayLike, first: int = 0) -> vibro.Scene:
     return vibro.Scene(
         motion=motion, motion_scale=scale, frequency=FREQUENCY, static_friction=0.3, kinetic_friction=0.2
     )
-
-
-#: Motions that hop: along a line every 51 cycles, and with many slides in each contact.
-LINE = vibro.Scene(
-    amplitude=0.005871885376152336, frequency=FREQUENCY, drive_angle=0.6710409488773674, restitution=0.3,
-    static_friction=0.8976046359877069, kinetic_friction=0.6843771194910798,
-)  # fmt: skip
-SHAKEN = alone(16, size=2e-3, normal_harmonics=[(1.01 * 9.81 / (2.0 * math.pi * FREQUENCY) ** 2, 0.0)])
 
 
 def of_history(scene: vibro.Scene, cycles: float) -> str:
@@ -79,15 +66,6 @@ def test_a_harmonic_alone_repeats_the_pattern_of_the_first(number: int) -> None:
     assert cycle.status == Status.OK
     assert cycle.pattern == vibro.solve(alone(1)).pattern * number == "F_B_" * number
     assert is_turn(of_history(alone(number), 10.0), cycle.pattern)
-
-
-@pytest.mark.parametrize("scene", [LINE, SHAKEN], ids=["line", "harmonics"])
-def test_long_cycles_that_hop_are_those_of_a_body_followed_in_time(scene: vibro.Scene) -> None:
-    cycle = vibro.solve(scene)
-    assert cycle.status == Status.OK
-    assert len(cycle.pattern) > MOST_LETTERS
-    assert cycle.pattern[0] == "H"
-    assert is_turn(of_history(scene, 400.0), cycle.pattern)
 
 
 def test_random_motions_are_those_of_bodies_followed_in_time() -> None:
@@ -125,13 +103,6 @@ def test_patterns_that_differ_behind_the_room_of_a_code_are_two() -> None:
     assert np.isnan(scale_slope(beside, vibro.solve(beside))).tolist() == [False, True, False]
 
 
-@pytest.mark.parametrize("scene", [LINE, alone(8)], ids=["hops", "contact"])
-def test_the_order_is_that_of_short_patterns(scene: vibro.Scene) -> None:
-    text = vibro.solve(scene).pattern
-    assert text.startswith("H" if "H" in text else "F")
-    assert spelt_code("F_B_" * 6) == vibro.solve(alone(6)).pattern_code
-
-
 def test_a_pattern_does_not_depend_on_where_a_period_begins() -> None:
     codes = {int(vibro.solve(pulses(1.0, first)).pattern_code) for first in (0, 3, 20)}
     codes |= {spelt_code("F_" * 20 + "B")}
@@ -161,24 +132,3 @@ def test_texts_stay_with_their_cells() -> None:
     assert again.pattern.tolist() == each
     few = replace(cycle, **{name: x[1:, ::2] for name, x in cycle.arrays().items()})
     assert few.pattern.tolist() == [row[::2] for row in each[1:]]
-
-
-FILE = f"""[scene]
-along_amplitudes_mm = [{"0, " * 7}0.0078125]
-frequency_hz = 15
-static_friction = 0.3
-kinetic_friction = 0.25
-"""
-
-
-@pytest.mark.parametrize("how", ["threads", "processes"])
-def test_shards_have_whole_patterns(tmp_path: Path, how: str) -> None:
-    path = tmp_path / "eighth.toml"
-    path.write_text(FILE, encoding="utf-8")
-    swept = vibro.sweep(path, frequency_hz="2:20:6", kinetic_friction="0.2:0.3:3")
-    plan = plan_of(swept, 9)
-    written(tmp_path / "out", plan, 2 if how == "processes" else None)
-    shards = sorted((tmp_path / "out").glob("part-*.parquet"))
-    found = [text for shard in shards for text in parquet.read_table(shard)["pattern"].to_pylist()]
-    assert found == swept.cycle.pattern.ravel().tolist()
-    assert "F_B_" * 8 in found

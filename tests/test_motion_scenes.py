@@ -11,11 +11,10 @@ import numpy as np
 import pytest
 
 from vibro import Motion, Scene, solve
-from vibro.drives import Ability, Ellipse, Harmonics, Line, Piecewise, PiecewiseMotion
+from vibro.drives import Harmonics, Piecewise
 
 REST: dict[str, Any] = {"frequency": 10.0, "static_friction": 0.4, "kinetic_friction": 0.3}
 PAIRS: list[tuple[Any, Any]] = [(1e-3, 0.0), (0.3e-3, math.radians(90.0))]
-RARE: list[tuple[Any, Any]] = [(0.0, 0.0), ([0.0, 1e-9], 0.0)]
 STEPS = Motion.steps(along=[(0.8, 6.9), (0.2, -27.6)])
 
 
@@ -62,37 +61,6 @@ def test_accelerations_of_steps_stay_where_the_frequency_changes() -> None:
     again = dataclasses.replace(scene, **slower)
     assert again.motion is STEPS
     assert pickle.loads(pickle.dumps(scene)).shape == (2, 2)
-
-
-def test_what_the_solver_reads() -> None:
-    scene = Scene(along_harmonics=PAIRS, normal_harmonics=[(1e-4, 0.5)], motion_scale=3.0, **REST)
-    fields, kind, *_ = scene.arrays().columns()
-    assert kind == 2
-    assert len(fields) == 9 + 4 * 2
-    assert math.isnan(fields[1])
-    got = [float(x) for x in fields[2:]]
-    rest = [0.0, 10.0, 0.4, 0.3, 0.0, 9.81, 0.0]
-    assert got == [*rest, 1e-3, 0.3e-3, 0.0, math.radians(90.0), 1e-4, 0.0, 0.5, 0.0]
-    fields, kind, breaks, pieces, unit = (
-        Scene(motion=STEPS, normal_acceleration=7.0, **REST).arrays().columns()
-    )
-    assert (kind, len(fields), float(fields[0]), float(fields[1])) == (3, 9, 1.0, 7.0)
-    assert isinstance(STEPS, PiecewiseMotion)
-    assert unit == STEPS.unit
-    assert breaks is STEPS.breaks
-    assert pieces is STEPS.pieces
-    line = Scene(amplitude=1e-3, drive_angle=0.3, **REST).arrays()
-    ellipse = Scene(along_amplitude=1e-3, normal_amplitude=1e-4, **REST).arrays()
-    assert isinstance(line, Line)
-    assert isinstance(ellipse, Ellipse)
-    assert [x.columns().kind for x in (line, ellipse)] == [0, 1]
-    assert line.can(Ability.PROOF)
-    assert not any(x.can(Ability.PROOF) for x in (ellipse, scene.arrays()))
-
-
-def test_a_clamped_body_may_hang_on_a_vertical_trough() -> None:
-    for angle in (-math.pi / 2, math.pi / 2):
-        Scene(**(REST | {"motion": STEPS, "normal_acceleration": 30.0, "trough_angle": angle}))
 
 
 def test_a_clamped_body_has_the_loads_of_its_force() -> None:

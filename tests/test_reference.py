@@ -50,14 +50,6 @@ def test_every_regime_is_the_reference_s(wide_table: Table) -> None:
     assert [Regime(r).label for r in wide_table.cycle.regime] == expected
 
 
-def test_models_of_harmonics_are_those_of_contact() -> None:
-    table = read_table("harmonic_contact")
-    known = table.cycle.status == Status.OK
-    assert np.count_nonzero(~known) == 1
-    assert set(table.cycle.model[known]) == {"rest", "slides"}
-    assert not table.cycle.coexists[known].any()
-
-
 def _excess(table: Table, got: Floats, expected: Floats, scale: Floats | float) -> Floats:
     """Error over what rounding of the inputs alone explains, in eps; 0 where no number is expected."""
     size = np.abs(expected)
@@ -170,11 +162,6 @@ def test_speed_jumps_at_the_forward_onset() -> None:
     above = [vibro.solve(_published(1000.0 * onset * (1.0 + h))).mean_velocity for h in (1e-12, 1e-6)]
     # The limit is 0.65898397, from 40 digits; above it the speed grows like the root of the excess load.
     assert [f"{1000.0 * v:.4f}" for v in above] == ["0.6590", "0.6624"]
-
-
-def test_speed_drops_where_back_slip_sets_in() -> None:
-    before, after = (vibro.solve(_published(a)).mean_velocity for a in (1.190298, 1.190300))
-    assert f"{100.0 * (1.0 - after / before):.0f}" == "6"
 
 
 def test_one_stroke_of_the_published_scene_to_all_digits() -> None:

@@ -12,21 +12,17 @@ from helpers.scenes import (
     Groups,
     at_load,
     contact_groups,
-    line_of,
     random_scenes,
     replaced,
     scene_with,
     solve_one,
 )
 from hypothesis import assume, given
-from hypothesis import strategies as st
 
 from vibro import Motion, Regime, Scene, SceneError, Status, solve, steady
-from vibro.core.codes import MODELS, PATTERNS, Pattern
+from vibro.core.codes import PATTERNS, Pattern
 from vibro.core.compiled import doors
 from vibro.motion.settled import cycle_phases
-
-EPS = float(np.finfo(float).eps)
 
 # one scene of every contact pattern, in the order of their codes
 ONE_OF_EACH = [
@@ -138,38 +134,6 @@ def test_phases_agree_with_the_onsets_and_friction_stays_inside_its_cone(one: Gr
             assert way * force[0] >= -noise
 
 
-def test_codes_of_pattern_and_model_decode_to_text() -> None:
-    cycle = solve(random_scenes(500, seed=3, most_trough_deg=10.0))
-    assert cycle.pattern.tolist() == [PATTERNS[code] for code in cycle.pattern_code]
-    assert cycle.model.tolist() == [MODELS[code] for code in cycle.model_code]
-
-
-def test_mean_velocity_is_displacement_times_frequency() -> None:
-    scene = random_scenes(500, seed=2)
-    cycle = solve(scene)
-    assert np.array_equal(cycle.mean_velocity, cycle.displacement_per_cycle * scene.frequency)
-    assert (cycle.peak_velocity >= np.abs(cycle.mean_velocity)).all()
-
-
-# the last one slides back faster than forward
-@pytest.mark.parametrize("one", [*ONE_OF_EACH[1:], Groups(2.859, 19.78, 0.831, 0.359, 10.47)])
-def test_the_peak_is_the_largest_speed_of_the_phases(one: Groups) -> None:
-    scene = at_load(*one)
-    cycle = solve(scene)
-    w = 2.0 * math.pi * float(scene.frequency)
-    alpha, beta = float(line_of(scene).drive_angle), float(scene.trough_angle)
-    largest = 0.0
-    for phase in cycle_phases(scene):
-        if phase.kind != "_":
-            way = 1.0 if phase.kind == "F" else -1.0
-            p = w * np.linspace(phase.start, phase.end, 20_001)
-            inertia = one.load * (math.cos(alpha) + way * one.mu_d * math.sin(alpha))
-            drag = math.sin(beta) + way * one.mu_d * math.cos(beta)
-            speed = inertia * (np.cos(p[0]) - np.cos(p)) - drag * (p - p[0])
-            largest = max(largest, float((way * speed).max()))
-    assert float(cycle.peak_velocity) == pytest.approx(9.81 / w * largest, rel=1e-7)
-
-
 def test_the_error_of_a_mean_is_that_of_the_displacement_times_the_frequency() -> None:
     """Twice the frequency at a quarter of the amplitude: the same motion, in half the time.
 
@@ -226,15 +190,6 @@ def test_fields_broadcast_like_the_arguments_of_a_ufunc() -> None:
             assert np.array_equal(getattr(one, name), getattr(cycle, name)[index], equal_nan=True), name
 
 
-@given(st.lists(contact_groups(), min_size=1, max_size=9))
-def test_an_array_equals_its_scenes_one_by_one(several: list[Groups]) -> None:
-    together = solve(at_load(*(np.array(column) for column in zip(*several, strict=True))))
-    for i, one in enumerate(several):
-        alone = solve_one(one)
-        for name in FIELDS:
-            assert np.array_equal(getattr(alone, name), getattr(together, name)[i], equal_nan=True), name
-
-
 @pytest.mark.usefixtures("two_cores")
 @pytest.mark.parametrize(
     "shape", [(131_071,), (131_072,), (131_073,), (300_001,), (2, 131_073), (70_001, 3), (7, 1, 40_009)]
@@ -265,16 +220,6 @@ def test_parts_that_hop_leave_no_seam(monkeypatch: pytest.MonkeyPatch) -> None:
     parts = solve(scene)
     for name in FIELDS:
         assert np.array_equal(getattr(parts, name), getattr(whole, name), equal_nan=True), name
-
-
-@pytest.mark.usefixtures("two_cores")
-def test_a_grid_whose_axes_are_long_equals_its_rows() -> None:
-    amplitude, angle = np.linspace(0.3e-3, 3e-3, 401)[:, None], np.radians(np.linspace(0.0, 20.0, 503))
-    whole = solve(scene_with(amplitude=amplitude, drive_angle=angle))
-    for i in (0, 1, 200, 399, 400):
-        row = solve(scene_with(amplitude=amplitude[i, 0], drive_angle=angle))
-        for name in FIELDS:
-            assert np.array_equal(getattr(row, name), getattr(whole, name)[i], equal_nan=True), name
 
 
 # --- regimes alone ----------------------------------------------------------------------------------

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from engines.step_walk import Steps, displacement
 
-import vibro
 from vibro import Motion, Scene, Status, solve
 
 REST: dict[str, Any] = {"frequency": 2.5, "static_friction": 0.3, "kinetic_friction": 0.25}
@@ -18,20 +17,6 @@ GRAVITY = 9.81
 
 def slip_stick(scale: Any = 1.0) -> Scene:
     return Scene(motion=Motion.steps([(0.8, 2.4), (0.2, -9.6)]), motion_scale=scale, **REST)
-
-
-def test_one_slide_on_two_levels() -> None:
-    """The part slides while the trough is pulled back, and is caught by the next step."""
-    cycle = solve(slip_stick())
-    friction = 0.25 * GRAVITY
-    peak = (9.6 - friction) * 0.08
-    slide = 0.5 * peak * (0.08 + peak / (2.4 + friction))
-    assert cycle.pattern == "F_"
-    assert cycle.status == Status.OK
-    assert cycle.peak_velocity == pytest.approx(peak, rel=1e-14)
-    assert cycle.displacement_per_cycle == pytest.approx(slide, rel=1e-13)
-    history = vibro.simulate(slip_stick(), cycles=4)
-    assert history.sample([1.5]).position[0] == pytest.approx(3.0 * slide, rel=1e-12)
 
 
 @pytest.mark.parametrize("mu_s", [2.4 / GRAVITY, 9.6 / GRAVITY])
@@ -139,10 +124,3 @@ def test_steps_off_the_trough_make_a_body_hop() -> None:
     down = 4.0 + GRAVITY
     flight = 0.1 + (speed + math.sqrt(speed**2 + 2.0 * down * gap)) / down
     assert cycle.flight_fraction == pytest.approx(flight / 0.4, rel=1e-12)
-
-
-def test_the_unit_of_length_is_that_of_the_solver() -> None:
-    """A start velocity over A w is the same number for the solver and for the scene."""
-    motion = Motion.samples(np.random.default_rng(1).standard_normal(16))
-    history = vibro.simulate(Scene(motion=motion, **REST), duration=1e-6, start_velocity=0.1)
-    assert history.sample([0.0]).velocity[0] == pytest.approx(0.1, rel=1e-14)

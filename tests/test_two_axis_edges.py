@@ -37,31 +37,6 @@ def test_without_normal_motion_bodies_slide_down_the_trough() -> None:
     assert len(seen) >= 4
 
 
-def test_a_little_normal_motion_changes_little() -> None:
-    some = random_drives(200, 12, steepest=0.9)
-    none, little = (some.changed(normal=y).solve() for y in (0.0, 1e-12))
-    assert none.pattern.tolist() == little.pattern.tolist()
-    known = ~np.isnan(none.mean_velocity)
-    size = np.abs(displacement(none)) + some.along
-    assert (np.abs(displacement(none) - displacement(little))[known] <= 1e-9 * size[known]).all()
-
-
-@pytest.mark.parametrize("along", [0.0, 5e-324, 1e-300])
-def test_without_motion_along_a_level_trough_bodies_rest(along: float) -> None:
-    cycle = drives(along, [0.0, 0.5, 1.0 - 1e-12, 1.0], [-1.0, 0.0, 2.0, math.pi]).solve()
-    assert cycle.pattern.tolist() == ["_"] * 4
-    assert (cycle.displacement_per_cycle == 0.0).all()
-    assert [Status(s) for s in cycle.status] == [*[Status.OK] * 3, Status.BOUNDARY]
-
-
-def test_without_motion_along_a_level_trough_bodies_hop_on_the_spot() -> None:
-    draw = np.random.default_rng(2)
-    throw, lead, mu_s = draw.uniform(1.0, 3.5, 400), draw.uniform(-3.0, 3.0, 400), draw.uniform(0.1, 1.0, 400)
-    cycle = drives(0.0, throw, lead, mu_s, 0.05).solve()
-    assert "F" not in "".join(cycle.pattern.tolist())
-    assert (cycle.displacement_per_cycle[cycle.status == Status.OK] == 0.0).all()
-
-
 @pytest.mark.parametrize("above", [1e-1, 1e-3, 1e-5, 1e-7, 1e-9, 1e-11])
 def test_without_kinetic_friction_a_quarter_turn_ends_slides_where_the_window_closes(above: float) -> None:
     draw = np.random.default_rng(3)
@@ -71,26 +46,6 @@ def test_without_kinetic_friction_a_quarter_turn_ends_slides_where_the_window_cl
     cycle = drives(along[borne], (ratio * along)[borne], math.pi / 2.0, mu_s[borne], 0.0).solve()
     assert np.count_nonzero(borne) > 100
     assert (cycle.status == Status.BOUNDARY).all()
-
-
-def test_without_motion_along_the_trough_bodies_creep_downhill() -> None:
-    some = random_drives(40, 13, steepest=0.95, throw=(0.3, 0.999)).changed(along=0.0)
-    seen = compare(some)
-    assert seen.keys() >= {"_", "F_", "B_"}
-    d = displacement(some.solve())
-    moves = np.nan_to_num(d) != 0.0
-    assert (np.sign(d) == -np.sign(some.trough))[moves].all()
-
-
-def test_a_trough_that_stands_still_holds_what_friction_can_hold() -> None:
-    steep = math.atan(0.4)
-    cycle = drives(
-        0.0, 0.0, [0.0, 1.0, -1.0, 0.0, 0.0], trough=[0.0, 0.2, -0.2, steep + 0.01, -steep - 0.01]
-    ).solve()
-    assert cycle.pattern.tolist() == ["_", "_", "_", "", ""]
-    assert [Status(s) for s in cycle.status] == [*[Status.OK] * 3, Status.RUNAWAY, Status.RUNAWAY]
-    assert (cycle.throw_number == 0.0).all()
-    assert cycle.displacement_per_cycle.tolist()[:3] == [0.0] * 3
 
 
 # --- phases -----------------------------------------------------------------------------------------
@@ -119,18 +74,6 @@ def test_leads_count_modulo_turns() -> None:
 
 
 # --- equal values -----------------------------------------------------------------------------------
-
-
-def test_circles_are_nothing_special() -> None:
-    some = random_drives(15, 16, steepest=0.5)
-    some = some.changed(along=some.normal)
-    compare(some)
-    here = some.solve()
-    allowed = 16.0 * rounding(some, here)
-    for toward in (0.0, np.inf):
-        there = some.changed(along=np.nextafter(some.along, toward)).solve()
-        assert there.pattern.tolist() == here.pattern.tolist()
-        assert not (np.abs(displacement(there) - displacement(here)) > allowed).any()
 
 
 def test_equal_coefficients_of_friction_are_the_limit() -> None:

@@ -126,18 +126,6 @@ def test_harmonics_that_are_noise_are_left_out() -> None:
     assert min(orders) == 3
 
 
-def test_the_fewest_and_the_most_samples() -> None:
-    for count in (8, MOST_PIECES):
-        motion = sampled(np.sin(2.0 * np.pi * np.arange(count) / count))
-        assert isinstance(motion, PiecewiseMotion)
-        assert motion.breaks.size == count + 1
-
-
-@pytest.mark.parametrize("motion", [steps([(0.5, 0.0), (0.5, 0.0)]), sampled([1.0] * 8)])
-def test_a_trough_that_stands_still(motion: PiecewiseMotion) -> None:
-    assert (motion.largest_acceleration, motion.reach, motion.stroke, motion.unit) == (0.0, 0.0, 0.0, 1.0)
-
-
 def test_the_reach_and_the_stroke_of_two_levels() -> None:
     """Levels a and -b for shares s and 1 - s: the stroke is a s^2 / 8 + b (1 - s)^2 / 8."""
     motion = steps(along=SLIP_STICK)

@@ -156,13 +156,6 @@ def test_the_largest_value_is_that_of_the_highest_turning_point(harmonics: int) 
         assert largest(waves, mix) == pytest.approx(expected, rel=0.0, abs=8.0 * EPS * harmonics * size)
 
 
-def test_a_wave_alone_of_its_order_has_its_amplitude() -> None:
-    for k in range(1, 17):
-        c = np.zeros(16, complex)
-        c[k - 1] = 1.2 * np.exp(0.7j)
-        assert largest(harmonic_waves(c, c), ALONG) == pytest.approx(1.2, rel=1e-14)
-
-
 def test_jumps_are_zeros_where_the_sign_changes() -> None:
     rng = np.random.default_rng(9)
     for i in range(96):

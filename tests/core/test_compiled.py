@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import dataclasses
 import shutil
 from pathlib import Path
@@ -89,7 +88,7 @@ def test_drawn_scenes_have_the_same_bits(kind: str) -> None:
                 yield filling_of(scene, cycle, averages=True)
                 yield from (load_slope(scene, cycle.pattern_code), slides_of(scene, cycle.pattern_code))
             if regime == "rests":
-                few = Scene(**drawn(kind, regime, n // 4))
+                few = Scene(**drawn(kind, regime, 100 if one_harmonic else 1))
                 yield from (vibro.critical_loads(few), vibro.limits.tipping_load(few, 0.3))
             else:
                 yield vibro.solve(Scene(**drawn(kind, regime, searched)), starts=16)
@@ -99,11 +98,13 @@ def test_drawn_scenes_have_the_same_bits(kind: str) -> None:
 
 @DRAWN
 def test_arrivals_histories_and_transitions_have_the_same_bits(kind: str) -> None:
+    count = 3 if kind in ("line", "ellipse") else 1
+
     def answers() -> Iterator[Any]:
         for regime in REGIMES:
-            fields = drawn(kind, regime, 3)
+            fields = drawn(kind, regime, count)
             yield vibro.arrival_time(Scene(**fields), 0.02)
-            for i in range(3):
+            for i in range(count):
                 history = vibro.simulate(one_of(fields, i), cycles=7.3, start_phase=0.4)
                 yield [[ord(leg.kind[0]), leg.start, leg.end] for leg in history.phases]
         yield [t.ratio for t in vibro.transitions(one_of(fields, 0))]
@@ -217,12 +218,6 @@ def test_a_file_that_is_no_library_is_refused(folder: Path) -> None:
         load()
 
 
-def test_a_library_of_something_else_is_refused(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(ctypes, "CDLL", lambda path: object())
-    with pytest.raises(ImportError, match="cannot be loaded"):
-        load()
-
-
 def test_plain_python_runs_where_it_is_wanted_or_nothing_is_compiled(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -251,9 +246,3 @@ def test_rows_are_buffers() -> None:
         assert fast.rows(array) == (start, start + 32, start + 64)
         assert fast.row(array) == start
         assert len(fast.rows(np.zeros((3, 0)))) == 3
-
-
-def test_unknown_doors_are_no_attributes() -> None:
-    for way in (plain, compiled):
-        with way() as found, pytest.raises(AttributeError, match="no_such_door"):
-            found.no_such_door()

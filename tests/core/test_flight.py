@@ -12,10 +12,8 @@ import pytest
 from helpers.cases import each
 from helpers.waves import coefficients_of, drawn_harmonics, drawn_pieces, harmonic_waves, piecewise_waves
 
-from vibro.core import flight as flight_module
 from vibro.core.cells import behind, find_nodes, largest, number_of_nodes
 from vibro.core.flight import Flight, flight, fly_over_waves, lift_off_flight, sinusoidal
-from vibro.core.legs import ahead
 from vibro.core.waves import NORMAL, Mix, Waves, load_at, nodes_of
 
 TURN = 2.0 * math.pi
@@ -32,13 +30,6 @@ def _released(throw: float) -> Flight:
 
 
 # ------------------------------------------------------------------------------- flights from rest
-
-
-@each("cycles", np.linspace(0.05, 1.0, 20).tolist())
-def test_flight_time_and_throw_number_are_related_as_published(cycles: float) -> None:
-    x = TURN * cycles
-    throw = math.sqrt(((math.cos(x) + 0.5 * x * x - 1.0) / (x - math.sin(x))) ** 2 + 1.0)
-    assert _released(throw).length / TURN == pytest.approx(cycles, rel=1e-11)
 
 
 @each(
@@ -72,20 +63,6 @@ def test_a_lift_off_flight_has_all_digits_however_short() -> None:
             landing = exact - mpmath.sin(exact) - c * (1 - mpmath.cos(exact))
             assert abs(got.length / exact - 1) < 4 * EPS
             assert abs(got.impact / landing - 1) < 20 * EPS
-
-
-@pytest.mark.parametrize("throw", [1.01, 1.3, 2.0, 3.0, 3.29])
-def test_a_flight_from_the_lift_off_agrees_with_the_general_one(throw: float) -> None:
-    # near the lift-off the height grows with the cube of time only, so the general one has fewer digits
-    general = _flight(throw, math.asin(1.0 / throw), 0.0)
-    assert general == pytest.approx(_released(throw), rel=1e-10)
-
-
-@pytest.mark.parametrize("throw", [math.nextafter(ONE_TURN, 9.0), 3.4, 12.0, 1e6])
-def test_a_flight_from_rest_longer_than_a_turn_is_the_general_one(throw: float) -> None:
-    lift_off = math.asin(1.0 / throw)
-    assert lift_off_flight(sinusoidal(throw), lift_off) == flight(sinusoidal(throw), lift_off, 0.0)
-    assert lift_off_flight(sinusoidal(throw), lift_off).length > TURN * (1.0 - 1e-12)
 
 
 # ------------------------------------------------------------------------------- any take-off
@@ -137,14 +114,6 @@ def test_a_flight_flown_backwards_is_a_flight() -> None:
     assert grazing > 300
 
 
-@each("phase", [-1.0, 0.0, 2.9, 4.0])
-@each("speed", [1e-3, 1e-6, 1e-9, 1e-12])
-def test_a_short_bounce_lasts_twice_its_speed_over_the_load(phase: float, speed: float) -> None:
-    got = _flight(2.0, phase, speed)
-    assert got.length == pytest.approx(2.0 * speed / (1.0 - 2.0 * math.sin(phase)), rel=10.0 * speed + 1e-4)
-    assert got.impact == pytest.approx(speed, rel=10.0 * speed + 1e-3)
-
-
 def test_short_bounces_keep_their_digits() -> None:
     throw, phase = 1.5, 2.9
     with mpmath.workdps(50):
@@ -160,32 +129,6 @@ def test_short_bounces_keep_their_digits() -> None:
             rate = speed + throw * (mpmath.cos(p) - mpmath.cos(p + exact)) - exact
             assert abs(got.length - exact) < 16 * EPS * exact
             assert abs(got.impact + rate) < 64 * EPS * speed
-
-
-@pytest.mark.parametrize("phase", [4.7, 5.0, 5.5])
-def test_a_landing_grazes_before_a_faster_body_clears_the_trough_there(phase: float) -> None:
-    speeds = np.linspace(0.5, 8.0, 200)
-    lengths = np.array([_flight(3.0, phase, speed).length for speed in speeds.tolist()])
-    jump = int(np.argmax(np.diff(lengths)))
-    low, high = float(speeds[jump]), float(speeds[jump + 1])
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        if _flight(3.0, phase, middle).length < 0.5 * (lengths[jump] + lengths[jump + 1]):
-            low = middle
-        else:
-            high = middle
-    below, above = _flight(3.0, phase, low), _flight(3.0, phase, high)
-    assert below.length < above.length - 0.5
-    assert below.impact < 1e-6
-    assert above.impact > 0.1
-
-
-@pytest.mark.parametrize("throw", [1.0 + 1e-15, 1.5, 1e3, 1e6])
-def test_a_body_let_go_at_a_crest_lands_within_the_turns_that_its_fall_takes(throw: float) -> None:
-    got = _flight(throw, 0.5 * math.pi, 0.0)
-    assert 0.0 <= got.length < 2.0 * math.sqrt(throw) + TURN
-    below = throw * (math.sin(0.5 * math.pi + got.length) - 1.0)  # height of the trough below the crest
-    assert -0.5 * got.length**2 == pytest.approx(below, abs=1e-9 * throw)
 
 
 # ------------------------------------------------------------------------------- impacts
@@ -298,51 +241,3 @@ def test_the_landing_is_the_first_return_to_the_trough_of_waves(seed: int, piece
         assert abs(float(height[-1])) <= rounding + 1e-12 * fall * length
         assert impact == pytest.approx(-float(rate[-1]), abs=1e-12 * throw * (1.0 + length))
         assert impact >= 0.0
-
-
-def test_a_short_flight_lasts_twice_as_long_as_the_trough_falls_away() -> None:
-    """Just above K = 1 the load is a parabola, so that the height is s^3 (u/6 - s/12) times a constant."""
-    rng, checked = np.random.default_rng(5), 0
-    for i in range(60):
-        trough = _over_harmonics(rng, 1 + i % 8, 1.0 + 10.0 ** rng.uniform(-10.0, -8.0))
-        waves = trough.waves
-        assert number_of_nodes(waves, NORMAL) == 2
-        first = 0 if behind(waves, NORMAL, 0) else 1
-        begin = waves.number[nodes_of(waves, NORMAL) + first]
-        upwards = ahead(waves, NORMAL, begin, first + 1)
-        length, impact = fly_over_waves(waves, trough.lift, begin, 0.0, True)
-        assert length == pytest.approx(2.0 * upwards, rel=1e-2)
-        bend = 8.0 * load_at(waves, trough.lift, begin + 0.5 * upwards) / upwards**2
-        assert impact == pytest.approx(bend * upwards**3 / 3.0, rel=2e-2)
-        checked += 1
-    assert checked == 60
-
-
-@pytest.mark.parametrize("harmonics", [1, 2, 3, 5, 8, 16])
-def test_flights_take_few_pieces_however_long_they_are(
-    harmonics: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    calls = 0
-
-    def counted(waves: Waves, row: int, phase: float, index: int) -> float:
-        nonlocal calls
-        calls += 1
-        return ahead(waves, row, phase, index)
-
-    monkeypatch.setattr(flight_module, "ahead", counted)
-    rng = np.random.default_rng(harmonics)
-    worst, longest = 0, 0.0
-    for i in range(60):
-        throw = 10.0 ** rng.uniform(0.001, 5.0)
-        trough = _over_harmonics(rng, harmonics, throw)
-        speed = throw * 10.0 ** rng.uniform(-6.0, 1.0) if i % 2 else 0.0
-        phase, waves = rng.uniform(0.0, TURN), trough.waves
-        if speed == 0.0:
-            first = 0 if behind(waves, NORMAL, 0) else 1
-            phase = waves.number[nodes_of(waves, NORMAL) + first]
-        calls = 0
-        length, _ = fly_over_waves(waves, trough.lift, phase, speed, speed == 0.0)
-        worst, longest = max(worst, calls), max(longest, length)
-        assert calls <= 4 * harmonics + 2
-    assert longest > 1000.0 * TURN
-    assert worst > 2

@@ -14,13 +14,11 @@ from helpers.contact_loads import EPS, ellipse, heavier, line
 from helpers.scenes import Groups
 from mpmath import mpf
 
-from vibro import Scene
-from vibro.core import limits as module
 from vibro.core.codes import Pattern, Regime, Status
 from vibro.core.contact import Steady, steady_cycle
-from vibro.core.limits import CriticalLoads, critical_loads, tipping_load
+from vibro.core.limits import critical_loads, tipping_load
 from vibro.core.slides import thresholds
-from vibro.limits import critical_loads_of_lines, tipping_load_of_lines, transitions
+from vibro.limits import critical_loads_of_lines
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -104,35 +102,6 @@ def test_each_limit_is_where_the_cycle_changes(name: str, kind: str) -> None:
         assert HAPPENS[name](unit, critical * (1.0 + NEAR)), unit
     assert reached > 30
     assert late > 2 or name != "back_slip"
-
-
-@pytest.mark.parametrize("kind", SOME)
-def test_classes_follow_each_other_in_one_order_as_the_load_grows(kind: str) -> None:
-    for unit in SOME[kind][::4]:
-        limits = critical_loads(unit)
-        first = 0.5 * min(limits.forward_onset, limits.back_onset)
-        reached = 0.0
-        for i in range(26):
-            load = first * (1.01 * limits.hop / first) ** (i / 25) if first < limits.hop else limits.hop
-            cycle = at(unit, load)
-            if cycle.status not in (Status.OK, Status.FLIGHT_NOT_MODELLED):
-                continue
-            rank = 2.5 if cycle.pattern == Pattern.FB else float(cycle.regime)
-            slips = load > min(limits.forward_onset, limits.back_onset)
-            expected = float(slips) + (slips and load > limits.back_slip)
-            expected = 2.5 if load > limits.continuous_sliding else expected
-            assert rank == (3.0 if load > limits.hop else expected)
-            assert rank >= reached
-            reached = rank
-
-
-def test_an_ellipse_that_is_a_line_has_the_limits_of_the_line() -> None:
-    for unit in [*SOME["level"][::2], *SOME["inclined"][::2]]:
-        ours, other = critical_loads(unit), critical_loads(unit._replace(line=False))
-        for name, load, same in zip(CriticalLoads._fields, ours, other, strict=True):
-            # those of an ellipse are looked for up to the hop
-            if load < 0.999 * ours.hop:
-                assert same == pytest.approx(load, rel=1e-12), name
 
 
 def _continuous_sliding(groups: Groups) -> float:
@@ -253,45 +222,7 @@ def test_combinations_that_cannot_be_have_no_critical_loads() -> None:
     assert not any(map(math.isnan, critical_loads(line(20.0, 1.0, 0.5, 0.5))))
 
 
-def test_drives_without_lift_are_looked_at_up_to_a_high_load() -> None:
-    # X alone, declined: no hop ends the search
-    limits = critical_loads(ellipse(1.0, 0.0, 1.0, 1.0, 0.5, 0.3, -0.1))
-    assert limits.hop == math.inf
-    assert limits.back_slip < 10.0
-    for load, pattern in ((limits.continuous_sliding, Pattern.FB),):
-        unit = ellipse(1.0, 0.0, 1.0, 1.0, 0.5, 0.3, -0.1)
-        assert at(unit, load * (1.0 + NEAR)).pattern == pattern
-        assert at(unit, load * (1.0 - NEAR)).pattern != pattern
-    assert module._MOST == 1e8
-
-
-def test_slip_both_ways_at_once_begins_with_forward_slip() -> None:
-    flat = Scene(amplitude=1e-3, frequency=15.0, drive_angle=0.0, static_friction=0.5, kinetic_friction=0.4)
-    found = transitions(flat)
-    assert [t.name for t in found][:2] == ["forward slip", "back slip"]
-    assert found[0].ratio == found[1].ratio
-
-
 # --------------------------------------------------------------------------------------------- tipping
-
-
-def test_an_edge_lifts_at_the_first_onset_of_the_stand_ratio() -> None:
-    for unit in (*SOME["inclined"][:40], *SOME["ellipses"][:40]):
-        ratio = 0.7 * unit.static_friction
-        if ratio <= abs(unit.weight_tangential) / unit.weight_normal:
-            assert tipping_load(unit, ratio) == 0.0
-            continue
-        limits = critical_loads(unit._replace(static_friction=ratio, kinetic_friction=ratio))
-        found = tipping_load(unit, ratio)
-        assert found == min(limits.forward_onset, limits.back_onset)
-        assert tipping_load(unit, 0.9 * ratio) < found
-        # once more as moments about both edges, at the worst phase
-        phi = math.atan2(unit.phase_sine, unit.phase_cosine)
-        p = np.linspace(0.0, 2.0 * math.pi, 20_001)
-        loads = heavier(unit, 1.0 / found)
-        normal = loads.weight_normal - loads.drive_normal * np.sin(p)
-        along = loads.drive_tangential * np.sin(p - phi) - loads.weight_tangential
-        assert np.max(np.abs(along) - ratio * normal) == pytest.approx(0.0, abs=1e-6)
 
 
 def test_parts_that_slip_before_they_tip_never_tip() -> None:
@@ -302,20 +233,6 @@ def test_parts_that_slip_before_they_tip_never_tip() -> None:
 
 
 # ---------------------------------------------------------------------------------------------- lines
-
-
-def test_limits_have_the_broadcast_shape() -> None:
-    limits = critical_loads_of_lines(np.full((3, 1), 0.3), np.linspace(0.3, 0.9, 4), 0.25)
-    for critical in limits:
-        assert critical.shape == (3, 4)
-    one = critical_loads_of_lines(0.3, 0.5, 0.25)
-    assert all(np.ndim(critical) == 0 for critical in one)
-    middle = critical_loads_of_lines(0.3, np.linspace(0.3, 0.9, 4)[1], 0.25)
-    assert [c[1, 1] for c in limits] == list(middle)
-    assert list(middle) == list(critical_loads(line(math.degrees(0.3), 1.0, 0.5, 0.25)))
-    tips = tipping_load_of_lines(0.3, np.linspace(0.3, 0.9, 4), 0.0, [[0.2], [0.4]])
-    assert tips.shape == (2, 4)
-    assert tips[0, 1] == tipping_load(line(math.degrees(0.3), 1.0, 0.5, 0.0), 0.2)
 
 
 def test_limits_of_extreme_frictions_and_angles_raise_nothing() -> None:

@@ -122,14 +122,6 @@ def test_short_motions_do_not_cancel(sine: float) -> None:
             assert abs(velocity + gained - drag * length - speed) < 8 * EPS * (size + EPS * length)
 
 
-def test_a_path_from_rest_keeps_its_digits_where_it_is_third_order() -> None:
-    # from the phase 0 without drag the whole path is s - sin s
-    with mp.workdps(320):
-        for s in np.geomspace(1e-100, 3.0, 200).tolist():
-            exact = float(mpf(s) - mpmath.sin(mpf(s)))
-            assert free_motion(1.0, 0.0, 0.0, 1.0, 0.0, s).path == pytest.approx(exact, rel=8 * EPS)
-
-
 # ------------------------------------------------------------------------------
 # Zeros by halving, by false position and by Newton's iteration, and where they give up.
 
@@ -155,11 +147,6 @@ def test_an_interval_is_halved_down_to_neighbouring_doubles(root: float) -> None
         assert (function(of, found) > 0.0) != positive
         before = found - max(2.0 * math.ulp(found), 4.0 * 2.0**-59)
         assert (function(of, before) > 0.0) == positive
-
-
-def test_a_bracket_without_a_zero_ends_at_its_end_or_its_start() -> None:
-    assert bisected(minus_cube, 100.0, 0.0, 4.0, True) == 4.0
-    assert bisected(minus_cube, -1.0, 1.0, 4.0, True) == pytest.approx(1.0, rel=4.0 * EPS)
 
 
 @pytest.mark.parametrize("root", [1e-3, 0.7, 1.0, 3.99])

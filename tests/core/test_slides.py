@@ -9,19 +9,16 @@ import mpmath
 import numpy as np
 import pytest
 from helpers.cases import each
-from helpers.contact_loads import EPS, MP, Exact, line, random_ellipses, random_lines, random_loads
+from helpers.contact_loads import EPS, MP, Exact, random_ellipses, random_loads
 from mpmath import mp, mpf
 
 from vibro.core import slides
-from vibro.core import slides as module
-from vibro.core.drive import Loads, mirrored
+from vibro.core.drive import Loads
 from vibro.core.slides import (
     Onset,
     Start,
     cosine_lead,
-    load_amplitude,
     outlasts,
-    own_phase,
     phase_offset,
     reaches,
     resting_start,
@@ -36,7 +33,6 @@ if TYPE_CHECKING:
 
 
 WAYS = (1.0, -1.0)
-SLIPPING = random_loads(150, 1, steepest=0.8)
 
 
 def level(n: float, *, a: float = 1.0, b: float = 0.0, t: float = 0.0, mu_s: float = 1.0) -> Loads:
@@ -45,18 +41,6 @@ def level(n: float, *, a: float = 1.0, b: float = 0.0, t: float = 0.0, mu_s: flo
 
 
 # -------------------------------------------------------------------------------------- thresholds
-
-
-@each("loads", SLIPPING[::5] + [x._replace(line=False) for x in SLIPPING[:150:15]])
-def test_margins_are_loads_beyond_static_friction(loads: Loads) -> None:
-    at, exact = thresholds(loads), Exact(loads)
-    for way, load, margin in (
-        (1.0, at.forward_load, at.forward_margin), (-1.0, at.back_load, at.back_margin),
-    ):  # fmt: skip
-        amplitude = abs(exact.load(way, exact.mu_s))
-        resistance = exact.resistance(way, exact.mu_s)
-        assert load == pytest.approx(float(amplitude), rel=8 * EPS, abs=2 * EPS)
-        assert abs(margin - (amplitude - resistance)) < 4 * EPS * (amplitude + abs(resistance) + abs(exact.t))
 
 
 @each("is_line", [True, False])
@@ -68,89 +52,6 @@ def test_margins_do_not_cancel_where_the_drive_hardly_lifts(is_line: bool, b: fl
     steep = thresholds(level(2.0, b=b, mu_s=0.5)._replace(line=False, phase_sine=1.0, phase_cosine=0.0))
     growth = 0.25 * b * b / (math.sqrt(1.0 + 0.25 * b * b) + 1.0)
     assert steep.forward_margin == steep.back_margin == pytest.approx(growth, rel=4 * EPS)
-
-
-def test_a_line_that_presses_more_than_it_pushes_has_no_load_back() -> None:
-    for b in (0.5, 1.0, 1.5):  # lift of 1, 2 and 3 times the push
-        at = thresholds(level(2.0, a=0.5, b=b, mu_s=1.0))
-        assert at.back_load == pytest.approx(abs(0.5 - b), abs=EPS)
-        assert not at.back
-    assert thresholds(level(2.0, a=0.5, b=0.5)).back_load == 0.0
-
-
-@each(
-    ("n", "t"),
-    [
-        (1.0, 0.0),
-        (0.5, 0.5),
-        (0.5, -0.5),
-    ],
-)
-@each("is_line", [True, False])
-def test_slip_begins_where_the_load_outgrows_static_friction(n: float, t: float, is_line: bool) -> None:
-    # both loads are 1, and so is what has to be outgrown at n; rounding of it all decides within 8 eps
-    for ulps, side in ((-10, 1), (-6, 0), (0, 0), (6, 0), (10, -1)):
-        at = thresholds(level(n + ulps * EPS, t=t)._replace(line=is_line))
-        margin, slips = (at.forward_margin, at.forward) if t >= 0.0 else (at.back_margin, at.back)
-        assert margin == -ulps * EPS
-        assert slips == (side > 0)
-        assert at.edge == (side == 0 or (t != 0.0 and abs(ulps) < 2))
-        if t == 0.0:
-            assert (at.back_margin, at.back) == (margin, slips)
-
-
-def test_a_back_load_of_nothing_has_no_threshold() -> None:
-    # no weight either way, no load: the margin is 0
-    at = thresholds(level(1.0, a=0.5, b=0.5, t=1.0))
-    assert at.back_load == 0.0 == at.back_margin
-    assert not at.back
-
-
-def test_hopping_begins_above_a_throw_number_of_one() -> None:
-    for ulps, hops, edge in ((-6, True, False), (-3, False, True), (0, False, True), (3, False, True),
-                             (6, False, False)):  # fmt: skip
-        at = thresholds(level(1.0 + ulps * EPS, a=0.1, b=1.0))
-        assert (at.hops, at.edge) == (hops, edge)
-
-
-@pytest.mark.parametrize("way", WAYS)
-def test_a_trough_steeper_than_static_friction_holds_no_body(way: float) -> None:
-    for ulps, unheld, edge in ((-6, False, False), (-3, False, True), (0, False, True), (3, False, True),
-                               (6, True, False)):  # fmt: skip
-        at = thresholds(level(1.0, a=1e-9, t=way * (1.0 + ulps * EPS)))
-        assert (at.unheld, at.edge) == (unheld, edge or abs(ulps) < 0)
-    assert not thresholds(level(1.0, a=0.0, mu_s=0.0)).unheld
-
-
-# ---------------------------------------------------------------------------------- phases of loads
-
-
-@each("way", WAYS)
-@each("friction", [0.0, 0.2, 3.0])
-def test_amplitude_and_own_phase_make_one_sine_of_both_loads(way: float, friction: float) -> None:
-    lines = [line(20.0, 0.8, 0.5, 0.4), line(70.0, 1.2, 0.9, 0.7)]
-    for loads in (*lines, *(x._replace(line=False) for x in lines), *random_ellipses(20, 3)):
-        amplitude, phase = load_amplitude(loads, way, friction), own_phase(loads, way, friction)
-        assert amplitude >= 0.0
-        assert -math.pi <= phase <= math.pi
-        exact = Exact(loads).load(way, MP.mpf(friction))
-        assert amplitude == pytest.approx(float(abs(exact)), abs=4 * EPS)
-        for p in (0.0, 1.0, 2.5, 4.0):
-            assert amplitude * math.sin(p + phase) == pytest.approx(
-                float((exact * MP.expj(p)).imag), abs=8 * EPS * (1.0 + friction)
-            )
-
-
-@pytest.mark.parametrize("friction", [0.1, 0.7])
-def test_the_offset_is_how_much_more_than_half_a_turn_the_back_load_comes_later(friction: float) -> None:
-    assert phase_offset(line(20.0, 0.8, 0.5, 0.4), friction) == 0.0
-    for loads in random_ellipses(30, 4):
-        later = own_phase(loads, 1.0, friction) - own_phase(loads, -1.0, friction) - math.pi
-        offset = phase_offset(loads, friction)
-        assert math.remainder(offset - later, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-14)
-        assert abs(offset) <= math.pi
-        seen = phase_offset(mirrored(loads), friction)
-        assert math.remainder(offset + seen, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-14)
 
 
 # ------------------------------------------------------------------------------------------- onsets
@@ -192,22 +93,6 @@ def _compare(loads: Loads, way: float) -> Start:
 
 
 @pytest.mark.parametrize("way", WAYS)
-def test_a_start_from_rest_of_a_line(way: float) -> None:
-    count = 0
-    for loads in random_lines(200, 5, steepest=0.8):
-        at = thresholds(loads)
-        if at.forward if way > 0.0 else at.back:
-            count += 1
-            one, other = _compare(loads, way), _compare(loads._replace(line=False), way)
-            margin = at.forward_margin if way > 0.0 else at.back_margin
-            load = at.forward_load if way > 0.0 else at.back_load
-            near = 128 * EPS * load / margin + 64 * EPS / one.onset.load
-            assert one.onset == pytest.approx(other.onset, rel=near, abs=near)
-            assert one[1:] == pytest.approx(other[1:], rel=near, abs=near)
-    assert count > 60
-
-
-@pytest.mark.parametrize("way", WAYS)
 def test_a_start_from_rest_of_an_ellipse(way: float) -> None:
     loads = [*random_ellipses(200, 6, steepest=0.8), *random_ellipses(200, 7, least_throw=0.99)]
     slips = [x for x in loads if (thresholds(x).forward if way > 0.0 else thresholds(x).back)]
@@ -219,22 +104,6 @@ def test_a_start_from_rest_of_an_ellipse(way: float) -> None:
         normal = exact.n - exact.b * MP.sin(exact.window(way)[0])
         nearly_lifted += normal < slides._NEARLY_LIFTED * exact.n
     assert nearly_lifted > 20
-
-
-@pytest.mark.parametrize("lift", [1e-6, 1e-10, 1e-14])
-def test_the_excess_keeps_its_digits_where_the_body_is_nearly_lifted(lift: float) -> None:
-    # phi = -90 deg: the crest of the load along the trough is where the trough presses least
-    loads = Loads(1.0, 1.0 - lift, 1.0, 0.0, 0.0, 1.0 - 1e-3, 0.5, 0.0, 1.0, False)
-    loads = loads._replace(drive_tangential=1e-9)
-    exact = Exact(loads)
-    found = resting_start(loads, thresholds(loads), 1.0) if thresholds(loads).forward else None
-    if found is None:
-        loads = loads._replace(drive_tangential=0.01)
-        exact, found = Exact(loads), resting_start(loads, thresholds(loads), 1.0)
-    opens, _ = exact.window(1.0)
-    load = abs(exact.load(1.0, exact.mu_d))
-    expected = float((exact.mu_s - exact.mu_d) * (exact.n - exact.b * MP.sin(opens)) / load)
-    assert found.onset.excess == pytest.approx(expected, rel=1e-13)
 
 
 def test_a_load_just_above_its_threshold_has_a_start_to_all_digits() -> None:
@@ -250,33 +119,6 @@ def test_a_load_just_above_its_threshold_has_a_start_to_all_digits() -> None:
             assert found.onset.vers == pytest.approx(1.0 - n, rel=8 * EPS)
             assert found.onset.sin == pytest.approx(float(MP.sin(MP.acos(MP.mpf(n)))), rel=8 * EPS)
             assert found.onset.excess == pytest.approx(0.5 * n, rel=8 * EPS)
-
-
-@pytest.mark.parametrize("is_line", [True, False])
-@pytest.mark.parametrize("weight", [1.0, 1e6, 1e12])
-def test_resistance_never_exceeds_the_load_at_the_start(is_line: bool, weight: float) -> None:
-    seen = 0
-    for i in range(1, 60):
-        mu, b = 0.3 + 0.01 * i, 0.1
-        for way in WAYS:
-            t = -way * (mu * weight - 0.013 * i)  # all but cancels static friction
-            loads = Loads(1.0, b, weight, t, weight - b * t, mu, mu, 0.0, 1.0, is_line)
-            at = thresholds(loads)
-            if at.forward if way > 0.0 else at.back:
-                seen += 1
-                onset = resting_start(loads, at, way).onset
-                assert abs(onset.k + onset.excess - (1.0 - onset.vers)) <= 17 * EPS
-                assert onset.cos == onset.excess + onset.k
-    assert seen > 50
-
-
-def test_on_a_level_trough_the_resistance_is_as_it_stands() -> None:
-    # mu_d n / C, whatever rounding makes of the sum
-    for loads in (*random_lines(50, 8), *random_ellipses(50, 9)):
-        at = thresholds(loads)
-        if at.forward:
-            onset = resting_start(loads, at, 1.0).onset
-            assert onset.k == loads.kinetic_friction * loads.weight_normal / onset.load
 
 
 # -------------------------------------------------------------------------------------- what follows
@@ -331,65 +173,6 @@ def test_a_slide_lasts_to_an_edge_of_the_opposite_window_if_it_has_speed_there(w
         if abs(speed) > 1e-12 * size:
             assert sign == MP.sign(speed)
     assert min(signs.count(1), signs.count(-1)) > 8
-
-
-@pytest.mark.parametrize("way", WAYS)
-@pytest.mark.parametrize("edge", [0, 1])
-@pytest.mark.parametrize("steepest", [0.0, 0.9])
-def test_the_sign_changes_where_the_speed_is_zero(way: float, edge: int, steepest: float) -> None:
-    changes, undecided = {True: 0, False: 0}, 0
-    for loads in _kinds(random_loads(100, 12, steepest=steepest)):
-        # a slide ends earlier against more friction
-        low, high = 1e-6 * loads.static_friction, loads.static_friction
-        signs = [_lasts(loads._replace(kinetic_friction=mu), way, edge) for mu in (low, high)]
-        if signs[0] == signs[1] or changes[loads.line] >= 12:
-            continue
-        changes[loads.line] += 1
-        while high - low > 2.0 * EPS * high:
-            middle = 0.5 * (low + high)
-            if _lasts(loads._replace(kinetic_friction=middle), way, edge) > 0:
-                low = middle
-            else:
-                high = middle
-        speed, size = _speed_there(loads._replace(kinetic_friction=high), way, edge)
-        assert -2 * EPS * size < speed < 100 * EPS * size
-        # rounding decides from there on, but not for long
-        more = high + 1e-11 * loads.static_friction
-        beside = [_lasts(loads._replace(kinetic_friction=mu), way, edge) for mu in (high, more)]
-        assert beside[1] == -1
-        undecided += beside[0] == 0
-    # on a level trough a back slide along a line never outlasts the forward window
-    assert changes[False] > 3
-    assert undecided > 0.8 * sum(changes.values())
-    assert changes[True] > (-1 if steepest == 0.0 and edge == 1 and way < 0.0 else 2)
-
-
-def test_the_lead_of_one_onset_does_not_cancel() -> None:
-    for loads in _kinds(list(random_lines(150, 13, steepest=0.8))):
-        if not loads.line:
-            continue
-        at, exact = thresholds(loads), Exact(loads)
-        forward, back = resting_start(loads, at, 1.0).onset, resting_start(loads, at, -1.0).onset
-        lead, size = cosine_lead(loads, at, forward, back)
-        sines = [
-            exact.resistance(way, exact.mu_s) / (exact.a + way * exact.mu_s * exact.b) for way in (1, -1)
-        ]
-        cosines = [MP.sqrt(1 - s**2) for s in sines]
-        closest = min(1 - s for s in sines)
-        assert abs(lead - (cosines[0] - cosines[1])) < 32 * EPS * size / closest
-        assert size >= abs(lead)
-        if loads.weight_tangential == 0.0:
-            assert size == abs(lead)
-
-
-def test_the_lead_of_nearly_equal_onsets() -> None:
-    # alpha -> 0 on a level trough: both start at nearly the same phase
-    loads = line(1e-9, 0.7, 0.9, 0.5)
-    at = thresholds(loads)
-    onsets = [resting_start(loads, at, way).onset for way in WAYS]
-    sine = MP.mpf(0.9) * MP.mpf(0.7)
-    expected = 2 * sine * 0.9 * MP.mpf(loads.drive_normal) * sine / MP.sqrt(1 - sine**2)
-    assert cosine_lead(loads, at, *onsets)[0] == pytest.approx(float(expected), rel=1e-9)
 
 
 # ------------------------------------------------------------------------------
@@ -486,21 +269,6 @@ def test_a_slide_that_follows_another_one_to_rounding() -> None:
             assert abs(top - exact.peak) < EPS * (4 * exact.peak + 2)
 
 
-def test_a_start_inside_the_window_in_all_its_forms() -> None:
-    for c in (-1.4, -1e-9, 0.0, 0.3, 1.2):
-        found = start_inside(c, 0.2, 1.5)
-        exact = (c, math.cos(c), math.sin(c), float(1 - mpmath.cos(mpf(c))), math.cos(c) - 0.2, 0.2, 1.5)
-        assert found == pytest.approx(exact, rel=4 * EPS)
-    for c in (math.inf, -math.inf, math.nan):
-        assert math.isnan(start_inside(c, 0.2, 1.5).c)
-
-
-@pytest.mark.parametrize("c", [0.0, 1e-8, 0.5, 1.0, 1.5, 0.5 * math.pi])
-def test_a_slide_without_resistance_lasts_until_the_mirrored_phase(c: float) -> None:
-    x, _, _ = solved(start_inside(c, 0.0, LOAD))
-    assert x == pytest.approx(0.5 * math.pi + c, rel=2 * EPS)
-
-
 def test_a_slide_down_a_trough_steeper_than_kinetic_friction() -> None:
     ending = 0
     for c in (-1.5, -1.0, -0.3, 0.0, 0.3, 0.7, 1.0, 1.3, 1.5, 1.7, 2.5):
@@ -566,7 +334,7 @@ def test_the_refinement_starts_within_its_basin(side: float, bound: float) -> No
         p0, k = 0.5 * math.pi - onset.c, onset.k
         x = slide(onset).half_length
         theta = 2.0 * math.asin(math.sqrt(0.5 * (onset.vers + onset.excess)))
-        start = module._first_estimate(onset.c, k, theta)
+        start = slides._first_estimate(onset.c, k, theta)
         double_root = math.sqrt(p0 * p0 + 4.0 * k * (math.pi - p0))  # other root for k, p0 -> 0
         distance = min(x, min(1.0, x) * min(1.0, double_root))
         assert abs(start - x) <= bound * distance + 3e-15
@@ -578,18 +346,11 @@ def test_the_refinement_starts_within_its_basin(side: float, bound: float) -> No
 def test_the_first_step_leaves_what_the_second_takes_away(
     side: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert module._SETTLED == 1e-4
-    monkeypatch.setattr(module, "_SETTLED", 4.5e-6)
+    assert slides._SETTLED == 1e-4
+    monkeypatch.setattr(slides, "_SETTLED", 4.5e-6)
     assert all(slide(onset).settled for onset in _grid(side))
-    monkeypatch.setattr(module, "_SETTLED", 1e-6)  # so it is the last step that is looked at
+    monkeypatch.setattr(slides, "_SETTLED", 1e-6)  # so it is the last step that is looked at
     assert not all(slide(onset).settled for onset in _grid(side))
-
-
-@pytest.mark.parametrize("c", [-0.5, -1.2, -1e-3])
-def test_a_slide_that_starts_where_the_load_has_fallen_to_its_resistance_has_no_length(c: float) -> None:
-    end = slide(start_inside(c, math.cos(c), LOAD)._replace(excess=0.0))
-    assert end.half_length == pytest.approx(0.0, abs=1e-15)
-    assert end.displacement == pytest.approx(0.0, abs=1e-15)
 
 
 @pytest.mark.parametrize("k", [-1.0, -1.7, -1e300])

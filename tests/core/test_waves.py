@@ -25,7 +25,6 @@ from vibro.core.waves import (
     at_break,
     depart,
     load_at,
-    mixed,
     moved,
     one_harmonic,
     ride,
@@ -36,7 +35,6 @@ from vibro.core.waves import (
 EPS = 2.0**-52
 MP = mpmath.mp.clone()
 MP.dps = 40
-NO = np.zeros(0, complex)
 
 
 def _exact_harmonics(waves: Waves, mix: Mix, phase: float, value: float, s: float) -> tuple[Any, Any, Any]:
@@ -54,28 +52,6 @@ def _exact_harmonics(waves: Waves, mix: Mix, phase: float, value: float, s: floa
         first = u * (k * s * c0 - (s1 - s0)) - w * (k * s * s0 + (c1 - c0))
         path += first / k**2 - (u * s0 + w * c0) * s * s / 2
     return load, velocity, path
-
-
-def test_integrals_with_40_digits_are_those_of_quadrature() -> None:
-    """The witness of the test below is itself right."""
-    rng = np.random.default_rng(1)
-    waves, mix = harmonic_waves(drawn_harmonics(rng, 4), drawn_harmonics(rng, 4)), Mix(0.3, 1.0, -0.7)
-    c = coefficients_of(waves, normal=False) - 0.7 * coefficients_of(waves, normal=True)
-
-    def load(p: Any) -> Any:
-        return 0.3 + sum((MP.mpc(x) * MP.expj((k + 1) * p)).imag for k, x in enumerate(c.tolist()))
-
-    p, s = 1.3, 2.1
-
-    def pull(x: Any) -> Any:
-        return (p + s - x) * load(x)
-
-    found = _exact_harmonics(waves, mix, p, float(load(MP.mpf(p))), s)
-    assert float(found[0]) == pytest.approx(float(load(MP.mpf(p) + s)), abs=1e-14)
-    assert float(found[1]) == pytest.approx(float(MP.quad(load, [p, p + s])), abs=1e-14)
-    assert float(found[2]) == pytest.approx(
-        float(MP.quad(lambda x: (p + s - x) * load(x), [p, p + s])), abs=1e-14
-    )
 
 
 @pytest.mark.parametrize("harmonics", [1, 2, 3, 5, 8, 16])
@@ -119,17 +95,6 @@ def test_what_acts_on_a_carried_body_is_the_loads_and_the_trough_s_velocity(harm
         assert found.along == pytest.approx(load_at(waves, Mix(0.0, 1.0, 0.0), phase + s), abs=1e-12)
         assert found.normal == pytest.approx(load_at(waves, Mix(0.0, 0.0, 1.0), phase + s), abs=1e-12)
         assert found.velocity == pytest.approx(trough_at(waves, True, phase + s).slope, abs=1e-12)
-
-
-def test_a_body_that_is_carried_to_a_jump_is_behind_it() -> None:
-    breaks = np.array([0.0, 0.3, 1.0])
-    pieces = np.zeros((2, 2, 4))
-    pieces[0, :, 0] = -7.0, 3.0
-    waves = piecewise_waves(breaks, pieces)
-    jump = TURN * 0.3
-    for phase in np.linspace(0.0, jump, 50, endpoint=False).tolist():
-        assert ride(waves, phase, jump - phase).along == -3.0
-        assert ride(waves, phase + 0.3 * TURN, TURN - (phase + 0.3 * TURN)).along == 7.0
 
 
 def _exact_pieces(breaks: Any, mixed: Any, phase: float, s: float) -> tuple[Any, Any]:
@@ -220,11 +185,6 @@ def test_the_trough_moves_about_its_mean(normal: bool) -> None:
         assert np.abs(at[:, 1]).max() <= bounds[1] * (1.0 + 1e-12)
 
 
-def test_one_harmonic_has_no_memory() -> None:
-    assert one_harmonic().kind == 0
-    assert len(one_harmonic().number) == len(one_harmonic().mark) == 0
-
-
 def test_an_event_next_to_a_break_is_at_it() -> None:
     waves = piecewise_waves(np.array([0.0, 0.25, 1.0]), np.zeros((2, 2, 4)))
     for s in (-5e-13, -EPS, 0.0, 5e-13):
@@ -243,12 +203,6 @@ def test_the_loads_at_the_end_of_a_leg_are_those_behind_the_break() -> None:
         assert ride(waves, 0.5, QUARTER - 0.5 + s)[:2] == (-1.0, -2.0)
         assert ride(waves, 2.0, TURN - 2.0 + s)[:2] == (3.0, 6.0)
     assert ride(waves, 0.5, QUARTER - 0.5 - 1e-11)[:2] == (3.0, 6.0)
-
-
-def test_a_mix_that_rounding_decides_is_0() -> None:
-    assert mixed(Mix(-0.3, 0.1, 0.1), 1.0, 2.0) == 0.0  # 0.1 + 0.2 is not 0.3
-    assert mixed(Mix(-0.3, 0.1, 0.1), 1.0, 2.0 + 1e-14) > 0.0
-    assert mixed(Mix(0.0, 1.0, 0.0), -1e-14, 1.0) == -1e-14
 
 
 def test_a_load_stays_at_a_limit_on_pieces_that_press_the_body() -> None:

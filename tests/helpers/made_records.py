@@ -9,9 +9,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from engines.event_walk import Body
-from engines.two_axis_walk import Body as BodyOnEllipse
-from helpers.scenes import Groups, line_of
+from engines.two_axis_walk import Body
+from helpers.scenes import line_of
 from numpy.typing import NDArray
 
 import vibro
@@ -81,8 +80,7 @@ class Walked:
         gravity, beta, mu_d = (float(x) for x in (scene.gravity, scene.trough_angle, scene.kinetic_friction))
         self.rate = 2.0 * math.pi * float(scene.frequency)
         self.period = 1.0 / float(scene.frequency)
-        walk = _on_a_line if scene.amplitude is not None else _on_an_ellipse
-        self.pattern, advance, slides, (along, normal) = walk(scene)
+        self.pattern, advance, slides, (along, normal) = _walk(*_fields(scene))
         self.advance = advance * gravity / self.rate**2
         self.slides = [(way, start / self.rate, length / self.rate) for way, start, length in slides]
         # relative acceleration of a slide: pull sin(w t + lead) - drag
@@ -166,34 +164,22 @@ class Walked:
 Walk = tuple[str, float, list[tuple[int, float, float]], tuple[float, complex]]
 
 
-def _on_a_line(scene: vibro.Scene) -> Walk:
-    amplitude, line = float(scene.scale), line_of(scene)
-    alpha, rate = float(line.drive_angle), 2.0 * math.pi * float(scene.frequency)
-    mu_s, mu_d = float(scene.static_friction), float(scene.kinetic_friction)
-    load = amplitude * rate**2 / float(scene.gravity)
-    groups = Groups(load, math.degrees(alpha), mu_s, mu_d, math.degrees(float(scene.trough_angle)))
-    return *_slides(groups), (amplitude * math.cos(alpha), amplitude * math.sin(alpha))
-
-
 @functools.cache  # tests have few scenes
-def _slides(groups: Groups) -> tuple[str, float, list[tuple[int, float, float]]]:
-    body = Body(groups)
-    pattern, advance = body.settle()
-    count = pattern.count("F") + pattern.count("B")
-    walk = body.walk(0.0)
-    settled = [next(walk) for _ in range(400)][-count:] if count else []
-    return pattern, advance, [(slide.way, slide.start, slide.length) for slide in settled]
-
-
-def _on_an_ellipse(scene: vibro.Scene) -> Walk:
-    fields = scene.arrays()
-    assert isinstance(fields, Ellipse)
-    along, normal, lead, *others = (float(x) for x in fields[:8])
-    frequency, mu_s, mu_d, trough, gravity = others
-    cycle = BodyOnEllipse(along, normal, lead, frequency, mu_s, mu_d, trough, gravity).settle()
+def _walk(*fields: float) -> Walk:
+    along, normal, lead, *_ = fields
+    cycle = Body(*fields).settle()
     ways = {"F": 1, "B": -1}
     slides = [(ways[leg.kind], leg.start, leg.length) for leg in cycle.legs if leg.kind in ways]
     return cycle.pattern, cycle.displacement, slides, (along, normal * np.exp(1j * lead))
+
+
+def _fields(scene: vibro.Scene) -> list[float]:
+    """Return the amplitudes, the lead, and all else but restitution, as the walk takes them."""
+    fields = scene.arrays()
+    if isinstance(fields, Ellipse):
+        return [float(x) for x in fields[:8]]
+    size, (_, frequency, alpha, *others) = float(scene.scale), (float(x) for x in line_of(scene)[:7])
+    return [size * math.cos(alpha), size * math.sin(alpha), 0.0, frequency, *others]
 
 
 def trough_record(

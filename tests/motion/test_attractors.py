@@ -159,12 +159,17 @@ def slippery(count: int, seed: int, *, ellipse: bool) -> Iterator[tuple[Scene, v
 def test_shares_are_those_of_walks_from_random_phases(ellipse: bool, seed: int) -> None:
     """Nothing is shared with tests/engines/two_axis_walk.py; shares are within 4 combined errors."""
     bodies = 16
-    for scene, found in slippery(6, seed, ellipse=ellipse):
+    for scene, found in slippery(4, seed, ellipse=ellipse):
         seen = walked(scene, found, bodies, seed, 400)
         for one, share in zip(found, seen.shares, strict=True):
             errors = [math.sqrt(max(x * (1.0 - x), 0.05) / n) for x, n in ((one.share, 64), (share, bodies))]
             assert abs(one.share - share) < 4.0 * math.hypot(*errors)
         assert seen.other <= found.irregular_share + 4.0 * math.sqrt(0.05 / bodies)
+
+
+def drop_of_one_bounce(scene: Scene) -> float:
+    """Height over a trough at rest of a flight that lasts a drive cycle [m]."""
+    return 0.5 * math.pi**2 * GRAVITY / (TURN * float(scene.frequency)) ** 2
 
 
 def test_bodies_with_any_velocity_end_in_one_of_them() -> None:
@@ -181,11 +186,6 @@ def test_bodies_with_any_velocity_end_in_one_of_them() -> None:
         assert min(ends) < 1e-3 * scale
         met.add(int(np.argmin(ends)))
     assert met == {0, 1}
-
-
-def drop_of_one_bounce(scene: Scene) -> float:
-    """Height over a trough at rest of a flight that lasts a drive cycle [m]."""
-    return 0.5 * math.pi**2 * GRAVITY / (TURN * float(scene.frequency)) ** 2
 
 
 def test_a_cycle_of_flights_begins_where_it_says() -> None:
@@ -258,11 +258,6 @@ def test_dropped_bodies_get_into_bounces_that_laid_ones_do_not() -> None:
     assert f"dropped from {1e3 * height:.6g} mm" in repr(dropped)
 
 
-def test_a_body_at_rest_and_what_cannot_be_followed() -> None:
-    (rest,) = vibro.attractors(at_load(0.1, 20.0, 0.74, 0.57))
-    assert (rest.pattern, rest.mean_velocity, rest.largest_multiplier, rest.stable) == ("_", 0.0, 0.0, True)
-
-
 def test_the_cycle_of_one_bounce_doubles_where_its_closed_form_says() -> None:
     """Eq. (72): e = 0.5 doubles at K = 1.5268, where the multiplier passes -1, and is born at pi / 3."""
     e = 0.5
@@ -283,7 +278,7 @@ def test_the_cycle_of_one_bounce_doubles_where_its_closed_form_says() -> None:
         slides = flights(throw)["H"].largest_multiplier
         assert slides == pytest.approx(expected, rel=1e-7)
     assert flights(doubles - 1e-6)["H"].largest_multiplier == pytest.approx(1.0, abs=1e-5)
-    assert "H" not in flights(born - 1e-4)
+    assert "H" not in flights(born * (1.0 - 1e-9))
     doubled = flights(doubles + 1e-4)
     assert "H" not in doubled
     assert doubled["HH"].period_cycles == 2

@@ -129,18 +129,6 @@ def test_hopping_motion_balances_and_keeps_to_the_friction_cone(load: float, res
     assert_in_cone(history)
 
 
-@pytest.mark.parametrize(("pattern", "groups"), PATTERNS)
-def test_over_a_steady_cycle_the_drive_brings_what_friction_takes(pattern: str, groups: Groups) -> None:
-    scene = at_load(*groups)
-    history = vibro.simulate(scene, cycles=400)
-    cycle = [p for p in history.phases if p.start >= history.settles_at][: len(pattern)]
-    assert cycle[-1].end - cycle[0].start == pytest.approx(1.0 / float(scene.frequency), rel=1e-12)
-    drive = sum(integral(p, (q := history.sample(within(p))).inertial * q.velocity) for p in cycle)
-    taken = sum(integral(p, (q := history.sample(within(p))).friction * q.velocity) for p in cycle)
-    assert taken < 0.0
-    assert drive == pytest.approx(-taken, rel=1e-11)
-
-
 def rotations(pattern: str) -> set[str]:
     return {pattern[i:] + pattern[:i] for i in range(len(pattern))}
 
@@ -176,21 +164,6 @@ def test_hopping_leads_to_the_steady_cycle(load: float, restitution: float) -> N
     assert max(impacts) == pytest.approx(float(steady.impact_velocity), rel=1e-11)
 
 
-def test_a_disturbed_body_settles_into_the_other_steady_cycle() -> None:
-    scene = at_load(1.49149, math.degrees(0.7034), 0.457783, 0.0429106)
-    steady = vibro.solve(scene)
-    assert steady.coexists == 1
-    unit = GRAVITY / (TURN * float(scene.frequency)) ** 2
-    from_rest = vibro.simulate(scene, cycles=1_000)
-    assert from_rest.pattern == "F_"
-    assert from_rest.cycle_displacement / unit == pytest.approx(6.4684, abs=5e-5)
-    assert from_rest.cycle_displacement == pytest.approx(float(steady.displacement_per_cycle), rel=1e-12)
-    speed = float(scene.scale * TURN * scene.frequency)
-    disturbed = vibro.simulate(scene, cycles=1_000, start_velocity=-speed)
-    assert disturbed.pattern in rotations("FB")
-    assert disturbed.cycle_displacement / unit == pytest.approx(0.5732, abs=5e-5)
-
-
 def test_a_body_that_rests_for_ever() -> None:
     history = vibro.simulate(scene_with(amplitude=5e-4), cycles=10.5)
     (phase,) = history.phases
@@ -200,15 +173,6 @@ def test_a_body_that_rests_for_ever() -> None:
     assert not sample.position.any()
     assert history.pattern == ""
     assert math.isnan(history.cycle_displacement)
-
-
-def test_a_runaway_slide_is_followed() -> None:
-    scene = scene_with(trough_angle=math.radians(-50.0), amplitude=1e-3)
-    assert vibro.solve(scene).status == vibro.Status.RUNAWAY
-    history = vibro.simulate(scene, cycles=30)
-    assert history.phases[-1].kind == "F"
-    fall = GRAVITY * (math.sin(math.radians(50.0)) - 0.57 * math.cos(math.radians(50.0)))
-    assert history.sample(2.0).position == pytest.approx(0.5 * fall * 2.0**2, rel=0.05)
 
 
 def test_the_history_of_a_length_ends_on_arrival() -> None:

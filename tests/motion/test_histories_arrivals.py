@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 from helpers.reference_tables import columns_of, read_rows, scene_of
-from helpers.scenes import Groups, at_load, contact_groups, random_scenes, replaced, scene_with
+from helpers.scenes import Groups, at_load, contact_groups, driven, random_scenes, replaced, scene_with
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -16,20 +16,15 @@ import vibro
 from vibro import Status
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from numpy.typing import NDArray
+
+
+TURN = 2.0 * math.pi
 
 
 def table() -> tuple[vibro.Scene, NDArray[np.float64], NDArray[np.float64]]:
     columns = columns_of(read_rows("arrival"))
     return scene_of(columns), 1e-3 * columns["length_mm"], columns["traverse_time_s"]
-
-
-def cells_of(scene: vibro.Scene) -> Iterator[vibro.Scene]:
-    fields = [np.broadcast_to(x, scene.shape).ravel() for _, _, x in scene.arrays().members()]
-    for values in zip(*fields, strict=True):
-        yield vibro.Scene(**dict(zip(scene.arrays()._fields, map(float, values), strict=True)))
 
 
 def test_the_reference_table() -> None:
@@ -38,11 +33,116 @@ def test_the_reference_table() -> None:
     np.testing.assert_allclose(vibro.arrival_time(scene, length), expected, rtol=1e-13, atol=0.0)
 
 
-def test_one_scene_and_many_agree() -> None:
-    scene, length, _ = table()
-    together = vibro.arrival_time(scene, length)
-    alone = [vibro.arrival_time(cell, x) for cell, x in zip(cells_of(scene), length, strict=True)]
-    np.testing.assert_allclose(together, alone, rtol=1e-14, atol=0.0)
+@given(contact_groups(), st.floats(0.01, 30.0), st.floats(0.0, TURN), st.floats(-2.0, 2.0))
+def test_a_body_is_there_on_arrival_and_never_was_before(
+    groups: Groups, reach: float, phase: float, velocity: float
+) -> None:
+    scene = at_load(*groups)
+    size, f = float(scene.scale), float(scene.frequency)
+    start = {"start_phase": phase, "start_velocity": velocity * size * TURN * f}
+    time = float(vibro.arrival_time(scene, reach * size, **start))
+    history = vibro.simulate(scene, duration=min(time, 12.0 / f), **start)
+    slack = 1e-12 * max(reach, 1.0) * size
+    assert max(phase.end_position for phase in history.phases) <= reach * size + slack  # slides are monotone
+    if time <= 12.0 / f:
+        assert history.sample(history.end).position == pytest.approx(reach * size, abs=slack)
+
+
+FAR = {
+    "F_": at_load(0.9, 20.0, 0.74, 0.57),
+    "F_B_": at_load(0.7, 1.0, 0.5, 0.49),
+    "FB_": at_load(0.9, 20.0, 0.5, 0.4),
+    "FB": at_load(2.0, 25.0, 0.2, 0.15),
+    "FB, long settling": at_load(2.0, 10.0, 0.05, 0.03),
+    "FB of an ellipse, long settling": driven(Groups(2.04, 11.0, 0.3, 0.05), -20.0),
+    "no kinetic friction": at_load(1.5, 20.0, 0.5, 0.0),
+    "HFB": at_load(3.4, 30.0, 0.5, 0.4),
+    "HB uphill": at_load(4.5, 25.0, 0.2, 0.1, 5.0),
+    "HHB": at_load(8.6, 30.0, 0.5, 0.4),
+    "bounces": replaced(at_load(3.0, 30.0, 0.5, 0.4), restitution=0.3),
+    "bounces alone": replaced(at_load(8.5, 30.0, 0.5, 0.4), restitution=0.3),
+}
+
+
+@pytest.mark.parametrize("name", FAR)
+def test_far_arrivals_are_where_the_history_is(name: str) -> None:
+    """Transients are summed, and whole cycles added; histories go through each, or repeat a fixed point."""
+    scene, cycle = FAR[name], vibro.solve(FAR[name])
+    advance, period = float(cycle.displacement_per_cycle), float(cycle.period_cycles)
+    f = float(scene.frequency)
+    for cycles in (3.3, 120.3, 2000.7):
+        length = cycles * advance
+        time = float(vibro.arrival_time(scene, length))
+        history = vibro.simulate(scene, duration=time)
+        assert history.sample(time).position == pytest.approx(length, rel=1e-11)
+        just_before = np.linspace(max(time - 2.0 * period / f, 0.0), time * (1.0 - 1e-9), 2_001)
+        assert history.sample(just_before).position.max() < length
+    later = float(vibro.arrival_time(scene, length + 1e6 * period * advance))
+    assert (later - time) * f == pytest.approx(1e6 * period, rel=1e-11)
+
+
+@pytest.mark.parametrize(
+    ("groups", "later", "velocity"),
+    [  # a hundred turns; within half a turn the velocity turns twice, or gravity outgrows the drive
+        (Groups(600.0, 40.0, 0.5, 0.4), 0.5, -0.4),
+        (Groups(600.0, 40.0, 0.5, 0.4, 3.0), 0.5, 0.3),
+        (Groups(600.0, 40.0, 0.5, 0.4, -3.0), 0.5, 2.0),
+        (Groups(1.53, 52.0, 1.9, 1.5, 29.7), 0.465, -0.135),
+        (Groups(1.582, 48.85, 1.9, 1.5, -28.67), 0.07, -0.963),
+    ],
+)
+def test_arrivals_in_flight(groups: Groups, later: float, velocity: float) -> None:
+    scene = at_load(*groups)
+    throw = groups.load * math.sin(math.radians(groups.drive_deg)) / math.cos(math.radians(groups.trough_deg))
+    unit = float(scene.scale) * TURN * float(scene.frequency)
+    start = {"start_phase": math.asin(1.0 / throw) + later, "start_velocity": velocity * unit}
+    history = vibro.simulate(scene, cycles=60.0, **start)
+    assert history.phases[0].kind == "H"
+    times = np.linspace(0.0, history.phases[0].end, 40_001)
+    positions = history.sample(times).position
+    for share in (1e-4, 0.03, 0.2, 0.5, 0.97, 0.99999):
+        length = share * float(positions.max())
+        time = float(vibro.arrival_time(scene, length, **start))
+        assert history.sample(time).position == pytest.approx(length, rel=1e-11)
+        assert positions[times < time].max() < length
+
+
+def test_the_end_of_a_slide_is_reached_and_what_lies_behind_it_is_not() -> None:
+    """Rest follows, and the next slide a cycle later goes on."""
+    scene = scene_with()
+    _, slide, _, following, *_ = vibro.simulate(scene, cycles=3).phases
+    end = slide.end_position
+    for length in (math.nextafter(end, 0.0), end):
+        assert vibro.arrival_time(scene, length) == pytest.approx(slide.end, abs=1e-8)
+    assert following.start < vibro.arrival_time(scene, end * (1.0 + 1e-9)) < following.start + 0.02 / 15.0
+
+
+def test_arrivals_later_than_the_most_cycles_are_unknown() -> None:
+    scene = scene_with(amplitude=1e-9, frequency=15e3)
+    most = 1e15 * float(vibro.solve(scene).displacement_per_cycle)
+    assert vibro.arrival_time(scene, 0.9 * most) * 15e3 == pytest.approx(0.9e15, rel=1e-14)
+    assert math.isnan(vibro.arrival_time(scene, 1.1 * most))
+
+
+@pytest.mark.timeout(10)  # where one is followed to the end, it takes a minute
+@pytest.mark.parametrize(
+    "groups",
+    [
+        Groups(0.4, 20.0, 0.5, 0.4),
+        Groups(0.5, 5.0, 0.3, 0.29, 12.0),
+        Groups(0.781, 57.03, 0.27, 0.155, 3.46),
+        Groups(2.2, 20.0, 0.45, 0.3, 3.0),
+        Groups(3.0, 0.0, 0.74, 0.57),
+    ],
+    ids=["rest", "B_", "F_B", "FB uphill", "to and fro"],
+)
+def test_a_pushed_body_never_arrives_beyond_its_farthest_position(groups: Groups) -> None:
+    scene = at_load(*groups)
+    start = {"start_velocity": 0.9 * float(scene.scale) * TURN * 15.0}
+    top = max(phase.end_position for phase in vibro.simulate(scene, cycles=400, **start).phases)
+    assert top > 0.0
+    assert vibro.arrival_time(scene, top * (1.0 - 1e-9), **start) < 30.0
+    assert vibro.arrival_time(scene, top * (1.0 + 1e-9), **start) == math.inf
 
 
 def test_the_length_broadcasts_against_the_scene() -> None:
@@ -54,20 +154,6 @@ def test_the_length_broadcasts_against_the_scene() -> None:
     assert vibro.arrival_time(scene_with(amplitude=np.ones((0, 3))), 0.1).shape == (0, 3)
 
 
-@given(contact_groups(), st.floats(0.01, 30.0))
-def test_a_body_is_there_on_arrival_and_never_was_before(groups: Groups, reach: float) -> None:
-    scene = at_load(*groups)
-    length = reach * float(scene.scale)
-    time = float(vibro.arrival_time(scene, length))
-    horizon = 12.0 / float(scene.frequency)
-    history = vibro.simulate(scene, duration=min(time, horizon))
-    farthest = max(phase.end_position for phase in history.phases)  # slides are monotone
-    slack = 1e-12 * max(length, float(scene.scale))
-    assert farthest <= length + slack
-    if time <= horizon:
-        assert history.sample(history.end).position == pytest.approx(length, abs=slack)
-
-
 def test_a_length_that_the_first_slide_covers_needs_no_steady_advance() -> None:
     """Nearly horizontal, so that the steady cycle advances by 1e-17 amplitudes."""
     scene = at_load(999.0, 1.8e-15, 1.0, 1.0)
@@ -75,50 +161,6 @@ def test_a_length_that_the_first_slide_covers_needs_no_steady_advance() -> None:
     cycles = vibro.arrival_time(scene, length) * float(scene.frequency)
     assert (cycles[:3] < 10.0).all()
     assert np.isnan(cycles[3])
-
-
-@pytest.mark.parametrize("restitution", [0.0, 0.3, 0.6])
-@pytest.mark.parametrize("reach", [0.05, 3.0, 17.77])
-def test_hopping_bodies_too(restitution: float, reach: float) -> None:
-    throws = np.array([1.05, 1.2, 1.4, 1.9, 2.9])
-    scene = replaced(
-        at_load(throws / math.sin(math.radians(20.0)), 20.0, 0.74, 0.57), restitution=restitution
-    )
-    periodic = [cell for cell in cells_of(scene) if vibro.solve(cell).status == Status.OK]
-    assert len(periodic) >= 3
-    for cell in periodic:
-        length = reach * float(cell.scale)
-        history = vibro.simulate(cell, length=length)
-        positions = history.sample(np.linspace(0.0, history.end, 1_001)).position
-        assert positions[-1] == pytest.approx(length, rel=1e-12)
-        assert positions[:-1].max() < length
-
-
-def test_a_body_that_slides_back_arrives_before_the_cycle_ends() -> None:
-    """Within a cycle of FB the body gets farther than where it ends, by more than it advances."""
-    scene = at_load(2.0, 3.0, 0.4, 0.35)
-    cycle = vibro.solve(scene)
-    assert cycle.pattern == "FB"
-    history = vibro.simulate(scene, cycles=300)
-    forward = next(p for p in history.phases if p.start > history.settles_at and p.kind == "F")
-    back = next(p for p in history.phases if p.start >= forward.end)
-    assert back.end_position - back.start_position < -float(cycle.displacement_per_cycle)
-    length = 0.5 * (back.start_position + max(back.end_position, forward.start_position))
-    assert vibro.arrival_time(scene, length) < back.end
-    assert history.sample(float(vibro.arrival_time(scene, length))).position == pytest.approx(
-        length, rel=1e-12
-    )
-
-
-def test_long_ways_are_as_exact_as_short_ones() -> None:
-    """After n cycles a settled body is n displacements farther, and n periods later."""
-    scene = scene_with(amplitude=[1e-3, 1.3e-3, 1.5e-3, 2e-3, 4e-3])
-    cycle = vibro.solve(scene)
-    count = 10.0**7
-    near = 200.5 * cycle.displacement_per_cycle
-    first = vibro.arrival_time(scene, near)
-    later = vibro.arrival_time(scene, near + count * cycle.displacement_per_cycle)
-    np.testing.assert_allclose((later - first) * 15.0, count, rtol=1e-13, atol=0.0)
 
 
 def test_the_steady_figure_is_the_limit_for_long_troughs() -> None:
@@ -144,14 +186,6 @@ def test_bodies_that_never_arrive() -> None:
     assert vibro.arrival_time(backwards, 1.0) == math.inf
 
 
-def test_a_transient_may_reach_what_the_steady_cycle_would_not() -> None:
-    to_and_fro = scene_with(drive_angle=0.0, amplitude=3e-3)
-    top = max(p.end_position for p in vibro.simulate(to_and_fro, cycles=300).phases)
-    assert top > 0.0
-    assert vibro.arrival_time(to_and_fro, top * (1.0 - 1e-9)) < 20.0
-    assert vibro.arrival_time(to_and_fro, top * (1.0 + 1e-9)) == math.inf
-
-
 def test_runaways() -> None:
     steep = math.radians(50.0)
     scene = scene_with(trough_angle=[-steep, steep], amplitude=1e-3)
@@ -162,26 +196,12 @@ def test_runaways() -> None:
     assert back == math.inf
 
 
-def test_hopping_bodies_that_slide_off_backwards_never_arrive() -> None:
-    scene = at_load(6.0, 20.0, 0.1, 0.05, 10.0)
-    assert vibro.solve(scene).status == Status.RUNAWAY
-    assert vibro.arrival_time(scene, 1.0) == math.inf
-
-
 def test_without_static_friction_the_motion_from_rest_is_still_known() -> None:
     scene = scene_with(static_friction=0.0, kinetic_friction=0.0, amplitude=1e-3)
     assert vibro.solve(scene).status == Status.INDETERMINATE
     # free of friction the body moves by 2 pi A cos(alpha) a cycle, as v = A w cos(alpha) (1 - cos wt)
     length = 2.0 * math.pi * 1e-3 * math.cos(math.radians(20.0)) * 10.0
     assert vibro.arrival_time(scene, length) == pytest.approx(10.0 / 15.0, rel=1e-4)
-
-
-def test_motion_without_a_period_is_unknown_once_rounding_has_grown() -> None:
-    scene = scene_with(amplitude=8e-3, restitution=0.3)
-    assert vibro.solve(scene).status == Status.AVERAGED
-    soon, late = vibro.arrival_time(scene, float(scene.scale) * np.array([1.0, 1e4]))
-    assert vibro.simulate(scene, duration=soon).sample(soon).position == pytest.approx(float(scene.scale))
-    assert math.isnan(late)
 
 
 def test_an_arrival_that_rounding_chooses_is_unknown() -> None:
@@ -200,16 +220,6 @@ def test_an_arrival_that_rounding_chooses_is_unknown() -> None:
     assert np.isnan(vibro.arrival_time(scene, 4.56280220557782)).all()
     # the first moments are known
     assert np.isfinite(vibro.arrival_time(scene, 1e-3)).all()
-
-
-def test_a_drive_and_a_trough_of_more_than_a_right_angle_are_followed() -> None:
-    scene = scene_with(drive_angle=1.2, trough_angle=0.5, amplitude=[5e-4, 3e-3])
-    lengths = np.array([1e-4, 1e-4])
-    times = vibro.arrival_time(scene, lengths)
-    assert not np.isnan(times).any()
-    for cell, length, time in zip(cells_of(scene), lengths, times, strict=True):
-        history = vibro.simulate(cell, duration=min(float(time), 0.5))
-        assert math.isinf(time) or history.sample(history.end).position == pytest.approx(length)
 
 
 def test_infeasible_cells_are_unknown() -> None:

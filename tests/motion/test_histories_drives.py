@@ -10,15 +10,11 @@ import pytest
 from engines.integrated import LEAST_BOUNCE, TURN, Body
 from helpers.cases import each
 from helpers.reference_tables import CONTACT, columns_of, read_rows, read_table, scene_of
-from helpers.scenes import GRAVITY, Groups, driven, loads_of
-from helpers.two_axis_scenes import Drives, random_drives
+from helpers.scenes import GRAVITY, Groups, driven
 from hypothesis import given
 from hypothesis import strategies as st
 
 import vibro
-from vibro.core.contact import likely_sliding
-from vibro.core.drive import Loads
-from vibro.core.slides import resting_start, thresholds
 from vibro.motion.settled import cycle_phases, settled_motion
 
 if TYPE_CHECKING:
@@ -246,26 +242,6 @@ def test_from_the_other_end_the_motion_is_reversed(values: tuple[Groups, float])
     assert forth.trough_along == pytest.approx(-back.trough_along, abs=1e-13 * a)
 
 
-@each("motion", MOTIONS.values())
-def test_a_line_given_by_both_amplitudes_is_that_line(motion: Motion) -> None:
-    groups = motion.groups
-    a, w = units(groups)
-    scenes = [driven(groups, phase, motion.restitution) for phase in (None, -3.0 * 360.0)]
-    start = {"start_phase": 2.0, "start_velocity": 0.3 * a * w}
-    histories = [vibro.simulate(scene, cycles=5, **start) for scene in scenes]
-    times = np.linspace(0.0, histories[0].end, 101)
-    samples = [history.sample(times) for history in histories]
-    assert samples[0].position == pytest.approx(samples[1].position, abs=1e-11 * a)
-    assert samples[0].trough_along == pytest.approx(samples[1].trough_along, abs=1e-12 * a)
-    assert samples[0].trough_normal == pytest.approx(samples[1].trough_normal, abs=1e-12 * a)
-    arrivals = [vibro.arrival_time(scene, 3.0 * a) for scene in scenes]
-    assert arrivals[0] == pytest.approx(arrivals[1], rel=1e-11)
-    cycles = [vibro.solve(scene) for scene in scenes]
-    assert cycles[0].pattern == cycles[1].pattern
-    for field in ("displacement_per_cycle", "peak_velocity", "flight_fraction"):
-        assert getattr(cycles[0], field) == pytest.approx(getattr(cycles[1], field), rel=1e-11), field
-
-
 def test_a_trough_that_only_rises_and_falls_moves_no_body() -> None:
     scene = vibro.Scene(
         along_amplitude=0.0,
@@ -279,25 +255,3 @@ def test_a_trough_that_only_rises_and_falls_moves_no_body() -> None:
     assert cycle.pattern.tolist() == ["_", "H_", "H_"]
     assert cycle.displacement_per_cycle.tolist() == [0.0, 0.0, 0.0]
     assert np.isinf(vibro.arrival_time(scene, 0.1)).all()
-
-
-def _is_hard(loads: Loads) -> bool:
-    """Whether the cheap search for the cycle without rest finds none."""
-    at = thresholds(loads)
-    starts = [resting_start(loads, at, way).onset for way in (1.0, -1.0)]
-    return math.isnan(likely_sliding(loads, *starts).y)
-
-
-def test_phases_add_up_where_the_cycle_without_rest_is_hard_to_find() -> None:
-    some = random_drives(20_000, 91)
-    random = np.random.default_rng(4)
-    some = some.changed(trough=np.arctan(some.mu_d) * random.uniform(0.6, 0.8, 20_000) * np.sign(some.lead))
-    some = Drives(*(x[some.solve().pattern == "FB"] for x in some))
-    hard = [i for i, loads in enumerate(loads_of(some.scene())) if _is_hard(loads)][:10]
-    assert len(hard) == 10
-    for scene in (Drives(*(x[[i]] for x in some)).scene() for i in hard):
-        one = vibro.Scene(**{name: float(value.item()) for name, value in scene.arrays()._asdict().items()})
-        advance = vibro.solve(one).displacement_per_cycle
-        assert [phase.kind for phase in cycle_phases(one)] == ["F", "B"]
-        assert sum(phase.displacement for phase in cycle_phases(one)) == pytest.approx(advance, rel=1e-9)
-        assert vibro.simulate(one, cycles=2000).cycle_displacement == pytest.approx(advance, rel=1e-9)

@@ -94,23 +94,6 @@ def test_a_drive_with_hardly_any_harmonics_throws_as_its_line(
     assert ends[0] == pytest.approx(ends[1], abs=1e-6 * scale)
 
 
-def test_arrivals_are_those_of_the_history() -> None:
-    for groups, restitution in ((NUT, 0.3), (HOPS, 0.3)):
-        scene = driven(groups, None, restitution)
-        start = {
-            "start_height": 4e-3,
-            "start_velocity": 0.05,
-            "start_normal_velocity": 0.1,
-            "start_phase": 2.0,
-        }
-        length = 0.01
-        time = float(vibro.arrival_time(scene, length, **start))
-        assert time != pytest.approx(float(vibro.arrival_time(scene, length)), rel=1e-3)
-        history = vibro.simulate(scene, length=length, **start)
-        assert history.end == time
-        assert history.sample(time).position == pytest.approx(length, rel=1e-9)
-
-
 def test_a_bouncing_body_keeps_bouncing_where_nothing_else_hops() -> None:
     """K = 0.9: at e = 0.7 the cycle of one bounce, Eq. (37), is stable from K = 0.554 on."""
     throw, e = 0.9, 0.7

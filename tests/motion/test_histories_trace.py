@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from helpers.made_records import FREQUENCY, PERIOD, nut
+from helpers.made_records import PERIOD, nut
 
 import vibro
 from vibro.core.codes import PHASE_NAMES
@@ -17,23 +17,6 @@ from vibro.results.history import phase_table
 @pytest.fixture
 def history() -> vibro.History:
     return vibro.simulate(nut(), cycles=3)
-
-
-def test_rows_are_even_steps_and_events(history: vibro.History) -> None:
-    rows = trace(history, until=history.end, samples_per_cycle=40)
-    starts = [p.start for p in history.phases]
-    assert rows.time[0] == 0.0
-    assert rows.time[-1] == history.end
-    assert (np.diff(rows.time) > 0.0).all()
-    assert set(starts) <= set(rows.time)
-    even = np.setdiff1d(rows.time, starts)
-    np.testing.assert_allclose(even * 40 * FREQUENCY, np.round(even * 40 * FREQUENCY), atol=1e-9)
-    assert rows.time.size == 120 + 1 + len(starts) - 1
-
-
-def test_events_alone(history: vibro.History) -> None:
-    rows = trace(history, until=history.end, samples_per_cycle=0)
-    assert rows.time.tolist() == [*(p.start for p in history.phases), history.end]
 
 
 def test_rows_begin_and_end_where_they_are_asked_to(history: vibro.History) -> None:
@@ -49,15 +32,6 @@ def test_rows_begin_and_end_where_they_are_asked_to(history: vibro.History) -> N
     at = trace(history, since=slide.start, until=history.end, samples_per_cycle=40, both_sides=True)
     assert at.time[1] > at.time[0] == slide.start
     assert at.acceleration[0] > 1.0  # of the slide that begins
-
-
-def test_a_row_at_an_event_is_the_one_after_it(history: vibro.History) -> None:
-    slide = history.phases[1]
-    rows = trace(history, until=PERIOD, samples_per_cycle=40)
-    (at,) = np.flatnonzero(rows.time == slide.start)
-    assert rows.acceleration[at] > 1.0  # it slides already: kinetic friction is lower
-    (at,) = np.flatnonzero(rows.time == slide.end)
-    assert rows.acceleration[at] == 0.0
 
 
 def test_both_sides_of_an_event_follow_each_other(history: vibro.History) -> None:
@@ -130,16 +104,3 @@ def test_the_phase_table(history: vibro.History) -> None:
     for column in table.values():
         if isinstance(column, np.ndarray):
             assert not np.signbit(column).any()
-
-
-def test_flights_have_gaps_and_impacts() -> None:
-    history = vibro.simulate(nut(4.0), cycles=2)
-    table = phase_table(history, history.phases)
-    impacts = np.asarray(table["impact_velocity_mm_s"], float)
-    flights = np.array(table["phase"]) == "flight"
-    assert flights.any()
-    assert (impacts[flights & (np.asarray(table["end_s"], float) < history.end)] > 0.0).all()
-    assert (impacts[~flights] == 0.0).all()
-    rows = trace(history, until=history.end, samples_per_cycle=100, both_sides=True)
-    assert rows.gap.max() > 1e-4
-    assert (rows.normal[rows.gap > 0.0] == 0.0).all()
