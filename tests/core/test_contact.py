@@ -126,14 +126,17 @@ def test_patterns_change_at_one_load_and_their_status_says_how_near(
 @pytest.mark.parametrize("way", [1.0, -1.0])
 def test_a_trough_at_the_angle_of_static_friction_is_a_boundary(mu_s: float, way: float) -> None:
     angle = math.degrees(math.atan(mu_s))
+    # with next to no drive; and slipping, where the same friction holds what moves
+    for weight, mu_d, most in ((1e20, 0.5 * mu_s, 1), (1.2, mu_s, 0)):
 
-    def beside(share: float) -> Steady:  # with next to no drive
-        return steady(line(20.0, 1e20, mu_s, 0.5 * mu_s, way * angle * share))
+        def beside(share: float, weight: float = weight, mu_d: float = mu_d) -> Steady:
+            return steady(line(20.0, weight, mu_s, mu_d, way * angle * share))
 
-    for ulps in range(-1, 2):
-        assert beside(1.0 + ulps * EPS)[1:3] == (Status.BOUNDARY, Pattern.R)
-    assert beside(1.0 - 1e-14).status == Status.OK
-    assert beside(1.0 + 1e-14).status == Status.RUNAWAY
+        for ulps in range(-1, most + 1):
+            assert beside(1.0 + ulps * EPS).status == Status.BOUNDARY
+            assert (beside(1.0 + ulps * EPS).pattern == Pattern.R) == (mu_d < mu_s)
+        assert beside(1.0 - 1e-14).status == Status.OK
+        assert beside(1.0 + 1e-14).status == Status.RUNAWAY
 
 
 # ---------------------------------------------------------------------------------------- coexistence
