@@ -65,20 +65,6 @@ def exactly(values: tuple[float, ...]) -> Settled:
     return found
 
 
-def test_published_cycles() -> None:
-    in_flight = recurrence(at_throw([1.5, 2.0, 2.5, 3.0], 20.0, 0.74, 0.57))
-    assert in_flight.displacement / LENGTH == pytest.approx(
-        [12.028332, 23.645166, 41.364250, 51.291633], abs=1e-6
-    )
-    amplitude = np.array([0.8, 1.0, 1.3, 1.5, 2.0, 3.0]) * 1e-3
-    in_contact = fields(amplitude, math.radians(20.0), 0.74, 0.57, 0.0, 0.0)
-    in_contact["frequency"] = np.full(amplitude.size, 15.0)
-    speed = recurrence(in_contact).displacement * 15.0 * 1e3
-    assert speed == pytest.approx(
-        [5.454804, 16.263456, 30.743137, 40.590623, 67.617507, 113.297416], abs=1e-6
-    )
-
-
 @pytest.mark.parametrize(("throw", "e"), [(2.2, 0.3), (1.2, 0.5)])
 def test_bodies_move_as_integrated_ones(throw: float, e: float) -> None:
     bodies = Bodies(at_throw(throw, 30.0, 0.5, 0.4, e))

@@ -162,37 +162,6 @@ def test_friction_holds_a_body_that_stops_at_its_limit() -> None:
     assert sorted(vibro.solve(drive).pattern) == ["B", "F", "_"]
 
 
-@pytest.mark.parametrize(
-    ("drive", "time", "position"),
-    [
-        (
-            scene(
-                [(0.5, -2.0), (0.25, -6.0), (0.25, 10.0)],
-                [(0.75, -16.0), (0.125, 24.0), (0.125, 72.0)],
-                0.5,
-                0.25,
-            ),
-            6.0,
-            4.613235364805408,
-        ),
-        (
-            scene(
-                [(0.25, 2.0), (0.375, 4.0), (0.25, 4.0), (0.125, -24.0)],
-                [(0.75, -32.0), (0.25, 96.0)],
-                0.5,
-                0.5,
-            ),
-            2.0,
-            -2.6875,
-        ),
-    ],
-)
-def test_a_landing_at_phase_0_belongs_to_the_next_cycle(drive: Scene, time: float, position: float) -> None:
-    history = vibro.simulate(drive, cycles=6)
-    assert history.sample(time).position == pytest.approx(position, rel=1e-13)
-    assert all(one.end == other.start for one, other in pairwise(history.phases))
-
-
 def test_an_arrival_counts_the_cycles_of_landings_at_phase_0() -> None:
     drive = scene([(0.375, -4.0), (0.375, 2.0), (0.25, 3.0)], [(0.75, -32.0), (0.25, 96.0)], 0.125, 0.125)
     time = vibro.arrival_time(drive, 3.0683525256981996)

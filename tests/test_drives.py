@@ -14,13 +14,10 @@ from helpers.two_axis_scenes import (
     GRAVITY,
     UNIT,
     Drives,
-    contact_drives,
     displacement,
     random_drives,
     rounding,
 )
-from hypothesis import assume, given
-from hypothesis import strategies as st
 
 from vibro import Regime, Scene, Status, solve
 from vibro.drives import HarmonicMotion
@@ -220,20 +217,6 @@ def test_a_trough_seen_from_its_other_end_conveys_as_much() -> None:
     assert len(_assert_mirrored(random_drives(2000, 27, least_ratio=0.1))) == len(MIRRORED) - 1
 
 
-@given(contact_drives())
-def test_any_trough_seen_from_its_other_end_conveys_as_much(one: Drives) -> None:
-    _assert_mirrored(one)
-
-
-@given(contact_drives(), st.floats(0.01, 100.0))
-def test_similar_ellipses_move_alike(one: Drives, scale: float) -> None:
-    assume(_clear_of_boundaries(one).all())
-    here, there = one.solve(), solve(one.scene(similar=scale))
-    assert here.pattern.tolist() == there.pattern.tolist()
-    apart = np.abs(displacement(here) - displacement(there) * scale**2)
-    assert not (apart > 32.0 * rounding(one, here)).any()
-
-
 def _assert_line(some: Drives) -> None:
     """Compare drives without a lead with the same ones given by amplitude and drive angle."""
     some = some.changed(lead=0.0)
@@ -266,11 +249,6 @@ def _assert_line(some: Drives) -> None:
 
 def test_without_a_lead_drives_are_those_along_a_line() -> None:
     _assert_line(random_drives(2000, 29, steepest=0.9, least_ratio=0.1))
-
-
-@given(contact_drives())
-def test_without_a_lead_any_drive_is_one_along_a_line(one: Drives) -> None:
-    _assert_line(one)
 
 
 def test_classes_come_in_one_order_with_growing_load() -> None:

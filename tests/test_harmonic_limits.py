@@ -146,7 +146,7 @@ def test_other_cycles_are_told_where_bodies_reach_them() -> None:
     slips = (found.status == Status.OK) & (found.regime != Regime.NO_SLIP)
     for told in (0, 1):
         several = 0
-        cells = np.flatnonzero(slips & (found.coexists == told))[:5]
+        cells = np.flatnonzero(slips & (found.coexists == told))[:3]
         for i in cells:
             drive = drive_of(drawn, int(i))
             ends = {round(float(found.displacement_per_cycle[i]), 6)}
@@ -156,5 +156,5 @@ def test_other_cycles_are_told_where_bodies_reach_them() -> None:
                 with contextlib.suppress(ArithmeticError):  # a walk that settles too slowly decides nothing
                     ends.add(round(drive.settle(400, float(phase), way).displacement, 6))
             several += len(ends) > 1
-        assert cells.size == 5
-        assert several == 0 if told == 0 else several >= 3
+        assert cells.size == 3
+        assert several == 0 if told == 0 else several >= 2

@@ -115,26 +115,3 @@ def test_without_friction_the_velocity_stays() -> None:
     cycle = vibro.solve(scene)
     assert cycle.status == Status.BOUNDARY
     assert cycle.largest_multiplier == 1.0
-
-
-@pytest.mark.parametrize("index", range(6))
-def test_a_drive_with_hardly_any_harmonics_has_those_of_its_line(index: int) -> None:
-    _, groups, restitution, _, _ = CYCLES[index]
-    line = driven(groups, None, restitution)
-    along, normal = (
-        float(line.scale) * part(math.radians(groups.drive_deg)) for part in (math.cos, math.sin)
-    )
-    motion = vibro.Motion.harmonics(
-        along=[(along, 0.0), (1e-9 * along, 0.0)], normal=[(normal, 0.0), (1e-9 * normal, 0.0)]
-    )
-    one = vibro.Scene(
-        motion=motion,
-        frequency=line.frequency,
-        static_friction=line.static_friction,
-        kinetic_friction=line.kinetic_friction,
-        trough_angle=line.trough_angle,
-        restitution=restitution,
-    )
-    found, expected = vibro.solve(one), vibro.solve(line)
-    assert found.pattern == expected.pattern
-    assert found.largest_multiplier == pytest.approx(float(expected.largest_multiplier), rel=1e-6)

@@ -276,17 +276,6 @@ def test_an_error_in_any_range_reaches_the_caller(
         solve(scene, starts=16)
 
 
-def test_progress_is_told_up_to_the_end(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(steady, "_IN_CONTACT", 100)
-    told: list[tuple[int, int]] = []
-    scenes = random_scenes(997, seed=4)
-    solve(scenes, threads=1, progress=lambda done, size: told.append((done, size)))  # several tell at once
-    assert [size for _, size in told] == [997] * len(told)
-    assert told[-1] == (997, 997)
-    assert sorted(told) == told
-    assert len(told) >= 5
-
-
 # --- how the displacement follows the load ---------------------------------------------------------
 
 FRICTION = {"static_friction": 0.4, "kinetic_friction": 0.3}

@@ -11,10 +11,8 @@ import pytest
 from vibro.core.codes import (
     IRREGULAR,
     LETTERS,
-    PATTERNS,
     SPELT_PATTERNS,
     Mode,
-    Output,
     Pattern,
     Status,
     is_answered,
@@ -28,17 +26,6 @@ def test_cells_with_these_statuses_have_numbers() -> None:
     assert {status for status in Status if status.answered} == {Status.OK, Status.BOUNDARY, Status.AVERAGED}
     codes = np.array([[status, Status.OK] for status in Status], np.int8)
     assert is_answered(codes).tolist() == [[status.answered, True] for status in Status]
-
-
-def test_outputs_are_the_words_that_users_write() -> None:
-    assert [str(output) for output in Output] == ["exact", "regimes"]
-    with pytest.raises(ValueError, match="nothing"):
-        Output("nothing")
-
-
-def test_contact_patterns_have_one_text_each() -> None:
-    assert len(PATTERNS) == len(Pattern) == SPELT_PATTERNS
-    assert [PATTERNS[p] for p in (Pattern.NONE, Pattern.R, Pattern.FB_)] == ["", "_", "FB_"]
 
 
 def test_hopping_patterns_are_spelt_by_their_digits() -> None:

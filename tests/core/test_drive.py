@@ -5,23 +5,14 @@ from __future__ import annotations
 import math
 
 import mpmath
-import numpy as np
 import pytest
 from mpmath import mp, mpf
 
 from vibro.core.drive import (
     directions,
-    ellipse_loads,
     line_loads,
-    mirrored,
-    normal_load,
-    tangential_load,
     weight_over_load,
 )
-
-LINE = line_loads(0.8, directions(0.4, -0.1), 0.5, 0.3)
-ELLIPSE = ellipse_loads(1.0, 0.3, 0.8, directions(-2.1, 0.15), 0.6, 0.4)
-PHASES = np.linspace(-7.0, 7.0, 29).tolist()
 
 
 @pytest.mark.parametrize("drive", [0.3, 0.5, 1.2, 1.5, math.nextafter(0.5 * math.pi, 0.0)])
@@ -45,16 +36,3 @@ def test_weights_beyond_the_range_of_doubles_stay_in_it(
     amplitude: float, frequency: float, weight: float
 ) -> None:
     assert weight_over_load(amplitude, frequency, 9.81) == weight
-
-
-@pytest.mark.parametrize("loads", [LINE, ELLIPSE])
-def test_a_mirror_turns_the_load_along_the_trough_alone(loads: object) -> None:
-    assert isinstance(loads, type(LINE))
-    seen = mirrored(loads)
-    assert not seen.line
-    for p in PHASES:
-        assert normal_load(seen, p) == normal_load(loads, p)
-        assert tangential_load(seen, p) == pytest.approx(-tangential_load(loads, p), abs=2e-15)
-    same = ("drive_tangential", "static_friction", "kinetic_friction")
-    assert [getattr(seen, name) for name in same] == [getattr(loads, name) for name in same]
-    assert mirrored(seen)._replace(line=loads.line) == loads

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import math
-import random
 import statistics
 
 import pytest
@@ -19,7 +18,6 @@ from vibro.core.hops import (
     Captures,
     Hopping,
     Means,
-    _variances,
     _with_captures,
     averages,
     captures,
@@ -103,7 +101,6 @@ def test_a_pushed_body_may_run_away_where_gravity_beats_kinetic_friction() -> No
 # ------------------------------------------------------------------------------
 # Means of motions that do not repeat: beside walks of other bodies, their statistics, and their balance.
 
-LIST = list(range(BODIES))
 HALVES = 2 * BODIES
 ROOM = Bodies(
     doubles(HALVES), doubles(HALVES), doubles(HALVES), doubles(HALVES), doubles(HALVES), integers(3 * BODIES)
@@ -115,25 +112,6 @@ def _averaged(loads: Loads, restitution: float, length: int = 12, longest: bool 
 
 
 # ------------------------------------------------------------------------------- statistics
-
-
-def test_variances_are_those_of_the_textbook() -> None:
-    pick, bodies = random.Random(1), ROOM
-    times = [[pick.uniform(5.0, 9.0) for _ in range(2)] for _ in LIST]
-    paths = [[0.4 * t + pick.gauss(0.0, 1.0) for t in pair] for pair in times]
-    for i in LIST:
-        for half in range(2):
-            bodies.time[2 * i + half], bodies.path[2 * i + half] = times[i][half], paths[i][half]
-    total = sum(map(sum, times))
-    mean = sum(map(sum, paths)) / total
-    own, halves, drift = _variances(bodies, mean, total)
-    off = [
-        [(d - mean * t) * BODIES / total for d, t in zip(*x, strict=True)]
-        for x in zip(paths, times, strict=True)
-    ]
-    assert own == pytest.approx(statistics.variance([a + b for a, b in off]), rel=1e-12)
-    assert halves == pytest.approx(statistics.fmean([(a - b) ** 2 for a, b in off]), rel=1e-12)
-    assert drift == 0.0
 
 
 def test_friction_that_holds_gravity_by_a_hair_leaves_no_mean() -> None:

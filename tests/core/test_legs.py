@@ -402,6 +402,7 @@ def test_one_harmonic_as_waves_is_an_ellipse(
         ("flight_fraction", 1.0 + 0.0 * f),
         ("throw_number", 1.0 + 0.0 * f),
         ("period_cycles", 1.0 + 0.0 * f),
+        ("largest_multiplier", 1.0 + 0.0 * f),
     ):
         off = np.abs(getattr(one, name) - getattr(other, name))[known] / unit[known]
         assert np.nanmax(off) <= 1e-12, name

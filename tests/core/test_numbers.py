@@ -8,9 +8,7 @@ from typing import TYPE_CHECKING
 import mpmath
 import numpy as np
 import pytest
-from helpers.cases import each
 from mpmath import mp, mpf
-from scipy.integrate import quad
 
 from vibro.core.numbers import (
     INF,
@@ -86,21 +84,6 @@ def test_the_gap_between_an_angle_and_its_sine_to_rounding() -> None:
     with mp.workdps(320):
         for x in angles:
             assert sine_gap(x) == pytest.approx(float(mpf(x) - mpmath.sin(mpf(x))), rel=4 * EPS)
-
-
-@each(("amplitude", "drag", "phase", "velocity"), [(1.2, 0.3, 0.4, 0.0), (0.7, -0.2, 5.1, -1.3)])
-@each("s", [1e-4, 0.3, 2.9, 3.5, 9.0])
-def test_path_and_velocity_are_the_integrals_of_the_acceleration(
-    amplitude: float, drag: float, phase: float, velocity: float, s: float
-) -> None:
-    def acceleration(u: float) -> float:
-        return amplitude * math.sin(phase + u) - drag
-
-    end = free_motion(amplitude, drag, math.sin(phase), math.cos(phase), velocity, s)
-    gained = quad(acceleration, 0.0, s, epsabs=1e-13, epsrel=1e-12)[0]
-    moved = quad(lambda u: (s - u) * acceleration(u), 0.0, s, epsabs=1e-13, epsrel=1e-12)[0]
-    assert end.velocity == pytest.approx(velocity + gained, rel=1e-12, abs=1e-15)
-    assert end.path == pytest.approx(velocity * s + moved, rel=1e-12, abs=1e-15)
 
 
 @pytest.mark.parametrize("sine", [0.0, 1.0, 0.6])

@@ -18,17 +18,14 @@ from helpers.waves import (
     piecewise_waves,
 )
 
-from vibro.core.numbers import QUARTER, TURN
+from vibro.core.numbers import TURN
 from vibro.core.waves import (
     Mix,
     Waves,
-    at_break,
     depart,
     load_at,
     moved,
-    one_harmonic,
     ride,
-    stays_zero,
     trough_at,
 )
 
@@ -143,21 +140,6 @@ def test_integrals_of_pieces(count: int) -> None:
         assert float(found.path) == pytest.approx(float(path), rel=0.0, abs=bound * (s + TURN))
 
 
-def test_a_load_that_jumps_has_the_value_behind_the_jump() -> None:
-    breaks = np.array([0.0, 0.25, 1.0])
-    pieces = np.zeros((2, 2, 4))
-    pieces[0, :, 0] = -3.0, 1.0
-    waves = piecewise_waves(breaks, pieces)
-    along = Mix(0.0, 1.0, 0.0)
-    rounded, before = QUARTER * (1.0 - EPS), QUARTER - 1e-11
-    for phase, value in ((0.0, 3.0), (before, 3.0), (QUARTER, -1.0), (TURN, 3.0), (-1e-9, -1.0)):
-        assert load_at(waves, along, phase) == value
-    assert load_at(waves, along, rounded) == -1.0
-    assert waves.steep == 0.0  # B is 0
-    pieces[1, :, 0] = -3.0, 1.0
-    assert piecewise_waves(breaks, pieces).steep == math.inf
-
-
 @pytest.mark.parametrize("normal", [False, True])
 def test_the_trough_moves_about_its_mean(normal: bool) -> None:
     rng = np.random.default_rng(7)
@@ -183,33 +165,3 @@ def test_the_trough_moves_about_its_mean(normal: bool) -> None:
         bounds = (waves.height if normal else math.inf), math.inf if normal else waves.velocity
         assert np.abs(at[:, 0]).max() <= bounds[0] * (1.0 + 1e-12)
         assert np.abs(at[:, 1]).max() <= bounds[1] * (1.0 + 1e-12)
-
-
-def test_an_event_next_to_a_break_is_at_it() -> None:
-    waves = piecewise_waves(np.array([0.0, 0.25, 1.0]), np.zeros((2, 2, 4)))
-    for s in (-5e-13, -EPS, 0.0, 5e-13):
-        assert at_break(waves, QUARTER + s) == QUARTER
-        assert at_break(waves, 3.0 * TURN + s) == 0.0
-    for phase in (1e-11, QUARTER - 1e-11, QUARTER + 1e-11, TURN - 1e-11):
-        assert at_break(waves, phase) == phase
-    assert at_break(one_harmonic(), -EPS) == TURN - EPS
-
-
-def test_the_loads_at_the_end_of_a_leg_are_those_behind_the_break() -> None:
-    pieces = np.zeros((2, 2, 4))
-    pieces[0, :, 0], pieces[1, :, 0] = (-3.0, 1.0), (-6.0, 2.0)
-    waves = piecewise_waves(np.array([0.0, 0.25, 1.0]), pieces)
-    for s in (-5e-13, -EPS, 0.0, 5e-13):
-        assert ride(waves, 0.5, QUARTER - 0.5 + s)[:2] == (-1.0, -2.0)
-        assert ride(waves, 2.0, TURN - 2.0 + s)[:2] == (3.0, 6.0)
-    assert ride(waves, 0.5, QUARTER - 0.5 - 1e-11)[:2] == (3.0, 6.0)
-
-
-def test_a_load_stays_at_a_limit_on_pieces_that_press_the_body() -> None:
-    pieces = np.zeros((2, 2, 4))
-    pieces[0, :, 0], pieces[1, :, 0] = (-0.3, 0.1), (-0.2, 0.2 / 3.0)
-    waves = piecewise_waves(np.array([0.0, 0.25, 1.0]), pieces)
-    along = Mix(-0.3, 1.0, 0.0)
-    assert stays_zero(waves, along, Mix(-0.3, 0.0, 1.0))
-    assert not stays_zero(waves, along, Mix(-0.1, 0.0, 1.0))
-    assert not stays_zero(waves, Mix(-0.2, 1.0, 0.0), Mix(-0.3, 0.0, 1.0))

@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import pytest
 from engines.two_axis_walk import Body, Cycle, NeverEndsError, NeverSettlesError, smallest_rotation
-from hypothesis import strategies as st
 
 from vibro import Scene, Status, SteadyCycle, solve
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Iterator
 
     from numpy.typing import ArrayLike, NDArray
 
@@ -106,21 +105,6 @@ def random_drives(
     normal = np.exp(random.uniform(math.log(throw[0]), math.log(throw[1]), count)) * np.cos(trough)
     along = mu_d * np.exp(random.uniform(np.log(0.1), np.log(30.0), count))
     return drives(along, normal, random.uniform(-math.pi, math.pi, count), mu_s, mu_d, trough)
-
-
-@st.composite
-def contact_drives(draw: Callable[[st.SearchStrategy[float]], float], least_ratio: float = 0.2) -> Drives:
-    """Draw a drive in contact on a trough where a body can rest."""
-    mu_s = draw(st.floats(0.02, 1.5))
-    trough = draw(st.floats(-0.95, 0.95)) * math.atan(mu_s)
-    return drives(
-        mu_s * 0.1 * 300.0 ** draw(st.floats(0.0, 1.0)),
-        math.cos(trough) * 0.999 * draw(st.floats(0.0, 1.0)),
-        draw(st.floats(-math.pi, math.pi)),
-        mu_s,
-        mu_s * draw(st.floats(least_ratio, 1.0)),
-        trough,
-    )
 
 
 def displacement(cycle: SteadyCycle) -> Floats:
