@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import tomllib
 from functools import cache
 from pathlib import Path
@@ -36,32 +37,16 @@ def problems(name: str, content: Any) -> list[str]:
 
 
 @pytest.mark.parametrize("name", FILES)
-def test_it_is_a_schema_with_a_version(name: str) -> None:
+def test_it_is_a_schema_whose_keys_are_described_by_valid_examples(name: str) -> None:
     schema = schema_of(FILES[name])
     Draft202012Validator.check_schema(schema)
     assert schema["$schema"] == Draft202012Validator.META_SCHEMA["$id"]
     assert schema["$id"] == f"urn:vibro:schema:{name}:{VERSION}"
-
-
-@pytest.mark.parametrize("name", FILES)
-def test_every_key_has_a_description_and_its_example_is_valid(name: str) -> None:
-    for table in schema_of(FILES[name])["$defs"].values():
+    for table in schema["$defs"].values():
         for entry in table["properties"].values():
             assert entry["description"].endswith(".")
             for example in entry.get("examples", ()):
                 assert Draft202012Validator(entry).is_valid(example)
-
-
-def test_units_and_ranges_are_told() -> None:
-    tables = schema_of(FILES["scene"])["$defs"]
-    angle = tables["scene"]["properties"]["drive_angle_deg"]
-    assert "[deg]" in angle["description"]
-    assert angle["anyOf"][0] == {"type": "number", "minimum": 0.0, "exclusiveMaximum": 90.0}
-    assert tables["map"]["properties"]["frequency_hz"]["anyOf"][0] == {
-        "type": "number",
-        "minimum": 1e-12,
-        "maximum": 1e12,
-    }
 
 
 @each("path", EXAMPLES)
@@ -72,40 +57,37 @@ def test_every_example_is_valid(path: Path) -> None:
     assert problems("scene" if name == "design" else "design", content)
 
 
-def test_the_docs_show_a_scene_that_is_read_and_valid(tmp_path: Path) -> None:
+def test_the_docs_show_files_that_are_read_and_valid(tmp_path: Path) -> None:
     page = (Path(__file__).parents[2] / "docs" / "guide" / "files.md").read_text(encoding="utf-8")
-    text = page.split("```toml\n")[1].split("```")[0]
-    assert problems("scene", tomllib.loads(text)) == []
-    path = tmp_path / "scene.toml"
-    path.write_text(text, encoding="utf-8")
-    assert [*read_scene_file(path).sweep] == ["amplitude", "frequency"]
+    shown = [
+        text for text in re.findall(r"```toml\n(.*?)```", page, flags=re.DOTALL) if "[[rule]]" not in text
+    ]
+    for text in shown:
+        assert problems("scene", tomllib.loads(text)) == []
+        (tmp_path / "scene.toml").write_text(text, encoding="utf-8")
+        file = read_scene_file(tmp_path / "scene.toml")
+        assert file.scene or file.machine
+    assert len(shown) >= 3
 
 
 @each(
     "content",
     [
         {"scene": {"amplitude": 1}},
-        {"scenes": {}},
-        {"amplitude_mm": 1},
         {"scene": 1},
         {"scene": {"amplitude_mm": "1.2kg"}},
-        {"motion": {"along_harmonics_mm_deg": [["1mm", "2mm"]]}},
         {"scene": {"amplitude_mm": True}},
         {"scene": {"amplitude_mm": 0}},
-        {"scene": {"drive_angle_deg": 90}},
         {"scene": {"friction_ratio": 1.1}},
-        {"scene": {"along_amplitudes_mm": []}},
         {"scene": {"along_amplitudes_mm": [1, -1]}},
         {"scene": {"along_amplitudes_mm": 17 * [1]}},
         {"map": {"along_amplitudes_mm": [1]}},
-        {"map": {"amplitude_mm": "0.1:"}},
         {"map": {"amplitude_mm": "0.1:3:log:log"}},
         {"map": {"amplitude_mm": "1,,2"}},
-        {"map": {"amplitude_mm": []}},
-        {"map": {"amplitude_mm": [0.1, True]}},
         {"map": {"amplitude_mm": [0, 1]}},
+        {"motion": {"along_steps": [[1]]}},
+        {"motion": {"along_samples_mm": [1, 2]}},
         {"map": {"trough_length_mm": "1:3"}},
-        {"map": {"trough_length_mm": [1, 3]}},
     ],
 )
 def test_malformed_scenes_are_invalid(content: Any) -> None:
@@ -117,22 +99,15 @@ def test_malformed_scenes_are_invalid(content: Any) -> None:
     [
         {"scene__static_friction": None},
         {"scene__static_friction": "0.3:0.5:7"},
-        {"scene__static_friction": [0.3, 0.5]},
         {"scene__trough_angle_deg": "1mm"},
-        {"scene__gravity_m_s2": "9:10"},
         {"scene__amplitude_mm": 1},
-        {"drive": []},
         {"drive__name": " "},
         {"drive__frequency_hz": None},
-        {"drive__frequency_hz": []},
         {"drive__frequency_hz": [50, True]},
         {"drive__drive_angle_deg": "10;20"},
         {"drift__amplitude_percent": 100},
-        {"goal": {}},
         {"goal__traverse_time_s": 9},
-        {"goal__highest_regime": "no-slip"},
         {"goal__flight_fraction": 0},
-        {"part__half_base_mm": 1},
     ],
 )
 def test_malformed_designs_are_invalid(entries: dict[str, Any]) -> None:

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from helpers.cases import each
 
-from vibro.errors import FileError, InputError
 from vibro.files.points import read_points
 
 if TYPE_CHECKING:
@@ -23,7 +22,6 @@ def points(tmp_path: Path) -> Path:
 @each(
     "text",
     [
-        "frequency_hz,amplitude_mm\n48,0.2\n50,0.35\n",
         "Frequency [Hz], A (mm) \n48, 0.2\n\n50, 0.35\n",
         "f in rpm;Stroke [um];note\n2880;400;first\n3000;700;\n",
         "Frequenz [Hz]\tHub [mm]\n48\t0,4\n50\t0,7\n",
@@ -51,11 +49,3 @@ def test_errors_are_relative(points: Path) -> None:
     error = read_points(points).error
     assert error is not None
     np.testing.assert_allclose(error, [0.02, 0.015])
-
-
-def test_a_file_that_is_not_there_and_one_that_is_no_text(points: Path) -> None:
-    with pytest.raises(FileError, match="cannot read"):
-        read_points(points)
-    points.write_bytes(b"PK\x00\x01")
-    with pytest.raises(InputError, match="not a text file"):
-        read_points(points)

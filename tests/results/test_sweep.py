@@ -14,9 +14,9 @@ FREQUENCY = {"frequency": np.array([10.0, 20.0, 30.0, 40.0]), "amplitude": 1.0}
 
 
 def test_the_fastest_forwards_and_backwards_in_the_units_of_tables() -> None:
-    found = peaks(np.array([0.1, 0.25, -0.3, 0.0]), EXACT, FREQUENCY)
+    found = peaks(np.array([0.25, 0.25, -0.3, 0.0]), EXACT, FREQUENCY)
     assert found == {
-        "fastest": Peak(250.0, 0.0, {"amplitude": 1.0, "frequency": 20.0}),
+        "fastest": Peak(250.0, 0.0, {"amplitude": 1.0, "frequency": 10.0}),  # the first of two
         "fastest_backwards": Peak(-300.0, 0.0, {"amplitude": 1.0, "frequency": 30.0}),
     }
     assert [*found["fastest"].values] == ["amplitude", "frequency"]  # in the order of tables
@@ -31,9 +31,9 @@ def test_quantities_are_broadcast_to_the_cells() -> None:
     }
 
 
-@pytest.mark.parametrize("speed", [[0.0] * 4, [NAN] * 4, [NAN, 0.0, NAN, np.inf], [-0.0] * 4])
-def test_without_a_known_motion_there_is_none(speed: list[float]) -> None:
-    assert peaks(np.array(speed), EXACT, FREQUENCY) == {}
+def test_without_a_known_motion_there_is_none() -> None:
+    for speed in ([-0.0] * 4, [NAN] * 4, [NAN, 0.0, NAN, np.inf]):
+        assert peaks(np.array(speed), EXACT, FREQUENCY) == {}
 
 
 def test_bodies_that_rest_and_those_that_cannot_be_do_not_move() -> None:
@@ -42,10 +42,6 @@ def test_bodies_that_rest_and_those_that_cannot_be_do_not_move() -> None:
         amplitude=amplitude, frequency=15.0, drive_angle=0.3, static_friction=static, kinetic_friction=0.6
     )
     assert at_rest(solve(scene)).tolist() == [True, True, False]
-
-
-def test_of_equally_fast_cells_the_first() -> None:
-    assert peaks(np.array([0.1, 0.2, 0.2, 0.1]), EXACT, FREQUENCY)["fastest"].values["frequency"] == 20.0
 
 
 @pytest.mark.parametrize(("error", "counts"), [(0.0999, True), (0.1, False), (0.1001, False), (NAN, True)])

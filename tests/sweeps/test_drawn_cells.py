@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import pytest
+from helpers.cases import each
 
 from vibro.core.codes import Output
 from vibro.plots.view import choose_view
 from vibro.sweeps.grid import Grid
-from vibro.sweeps.run import DrawnCells, solved_picture, sweep_blocks, sweep_picture
+from vibro.sweeps.run import DrawnCells, solved_picture, sweep_blocks
 from vibro.sweeps.whole import request_of_call
 
 NUT: dict[str, Any] = {"drive_angle_deg": 20, "static_friction": 0.74, "kinetic_friction": 0.57}
@@ -21,10 +21,9 @@ def grid_of(*, starts: int | None = None, flight: bool = True, **given: Any) -> 
     return request_of_call(None, given).grid(Output.EXACT, flight=flight, starts=starts)
 
 
-@pytest.mark.parametrize(
+@each(
     ("changes", "takes_some"),
     [
-        ({}, True),
         ({"restitution": 0}, False),  # nothing bounces: a picture costs milliseconds
         ({"amplitude_mm": "0.1:3:24"}, False),  # too coarse
         ({"frequency_hz": 20}, False),  # a line
@@ -43,22 +42,14 @@ def test_the_grid_alone_decides_whether_cells_of_the_table_are_fine_enough(
 
 
 def test_a_picture_shows_the_cells_of_the_table() -> None:
-    for changes in ({}, {"amplitude_mm": "1:3:20", "frequency_hz": "25:60:20", "restitution": [0.4, 0.7]}):
-        grid = grid_of(**{**MAP, **changes})
-        drawn = choose_view(grid.axes, fixed=grid.fixed).drawn
-        cells = DrawnCells.of(grid, drawn)
-        assert cells is not None
-        for block in sweep_blocks(grid):
-            cells.add(block)
-        result = solved_picture(grid, drawn, None, "", ["speed"], cells.results)
-        whole = grid.solve(grid.values())
-        for name in ("regime", "mean_velocity", "mean_velocity_error", "status"):
-            np.testing.assert_array_equal(getattr(result.cycle, name), getattr(whole, name), err_msg=name)
-
-
-def test_progress_is_told_up_to_the_end() -> None:
-    grid = grid_of(**{**MAP, "amplitude_mm": "0.1:3:5", "restitution": 0})
-    told: list[tuple[int, int]] = []
-    sweep_picture(grid, {}, None, "", progress=lambda done, size: told.append((done, size)))
-    assert told[-1][0] == told[-1][1]
-    assert len(told) > 2
+    changes = {"amplitude_mm": "1:3:20", "frequency_hz": "25:60:20:log", "restitution": [0.4, 0.7]}
+    grid = grid_of(**{**MAP, **changes})
+    drawn = choose_view(grid.axes, fixed=grid.fixed).drawn
+    cells = DrawnCells.of(grid, drawn)
+    assert cells is not None
+    for block in sweep_blocks(grid):
+        cells.add(block)
+    result = solved_picture(grid, drawn, None, "", ["speed"], cells.results)
+    whole = grid.solve(grid.values())
+    for name in ("regime", "mean_velocity", "mean_velocity_error", "status"):
+        np.testing.assert_array_equal(getattr(result.cycle, name), getattr(whole, name), err_msg=name)

@@ -31,7 +31,7 @@ def cells_of(grid: Grid, name: str) -> np.ndarray:
     )
 
 
-@pytest.mark.parametrize("cells", [1, 3, 7, 20, 10**6])
+@pytest.mark.parametrize("cells", [1, 7, 10**6])
 def test_rows_come_in_the_order_of_the_axes_whatever_the_blocks(
     monkeypatch: pytest.MonkeyPatch, cells: int
 ) -> None:
@@ -45,13 +45,6 @@ def test_rows_come_in_the_order_of_the_axes_whatever_the_blocks(
     monkeypatch.undo()
     (whole,) = sweep_blocks(grid)
     np.testing.assert_array_equal(np.concatenate(speeds), whole.cycle.mean_velocity.ravel())
-
-
-def test_a_ratio_gives_the_kinetic_friction() -> None:
-    grid = grid_of(static_friction="0.4,0.8", friction_ratio="0.5,1,1.5")
-    (block,) = sweep_blocks(grid)
-    np.testing.assert_array_equal(block.values["kinetic_friction"], [[0.2, 0.4, 0.6], [0.4, 0.8, 1.2]])
-    assert [vibro.Status(int(code)).label for code in block.cycle.status[0]] == ["ok", "ok", "infeasible"]
 
 
 def test_a_picture_shows_the_chosen_slice_of_the_same_numbers() -> None:
@@ -82,10 +75,12 @@ def test_a_picture_has_a_resolution_of_its_own(axes: tuple[str, ...]) -> None:
     result = sweep_picture(grid, drawn, NUT_POINT, "")
     assert 10_000 > result.shape[0] > 100
     for name, axis in result.axes.items():
-        assert axis.values[[0, -1]].tolist() == pytest.approx(
-            grid.axes[name].values[[0, -1]].tolist(), rel=1e-15
-        )
+        ends, known = (a.values[[0, -1]].tolist() for a in (axis, grid.axes[name]))
+        assert ends == pytest.approx(known, rel=1e-15)
+    if "frequency" in axes:  # a logarithmic axis has even steps on it
+        assert np.ptp(np.diff(np.log(result.axes["frequency"].values))) < 1e-12
     assert result.operating_point == {name: NUT_POINT[name] for name in axes}
+    assert sweep_picture(grid, drawn, {"frequency": 1.0}, "").operating_point is None
 
 
 def test_a_picture_of_curves_keeps_the_values_of_the_list() -> None:
@@ -93,13 +88,6 @@ def test_a_picture_of_curves_keeps_the_values_of_the_list() -> None:
     result = sweep_picture(grid, {"frequency": (0, 1, 2), "drive_angle": (1,)}, None, "")
     assert result.axes["frequency"].values.tolist() == [10, 12.5, 16]
     assert 2_000 > result.shape[0] > 500
-    points = sweep_picture(grid_of(frequency="10,12.5,16"), {"frequency": (0, 1, 2)}, None, "")
-    assert points.shape == (3,)
-
-
-def test_a_picture_over_a_logarithmic_axis_has_even_steps_on_it() -> None:
-    result = sweep_picture(grid_of(frequency="5:20:3:log"), {}, None, "")
-    assert np.ptp(np.diff(np.log(result.axes["frequency"].values))) < 1e-12
 
 
 def test_where_motion_begins_takes_no_memory_for_every_cell() -> None:
@@ -118,8 +106,3 @@ def test_where_motion_begins_takes_no_memory_for_every_cell() -> None:
     least.fixed["frequency"] = 10.0  # type: ignore[index]
     assert said == where_motion_begins(least.axes, least.fixed, limits_of(least.values()))
     assert said.startswith("at rest everywhere: motion begins at ")
-
-
-def test_a_scene_that_lacks_an_axis_has_no_operating_point() -> None:
-    grid = grid_of(amplitude="0.5:1.5:3", frequency="10:16:4")
-    assert sweep_picture(grid, {}, {"amplitude": 1.0}, "").operating_point is None

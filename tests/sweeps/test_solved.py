@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-import pytest
 from helpers.drawn import colours_of, image_of
 from helpers.pixels import pixels
 
@@ -16,43 +15,23 @@ from vibro.results.steady import RESULTS
 from vibro.results.sweep import SweepResult
 from vibro.sweeps import run
 
-if TYPE_CHECKING:
-    from vibro.sweeps.whole import Sweep
-
 FRICTION: dict[str, Any] = {"static_friction": 0.74, "kinetic_friction": 0.57}
 LINE: dict[str, Any] = {"drive_angle_deg": 20, **FRICTION}
 ELLIPSE: dict[str, Any] = {"normal_amplitude_mm": 0.4, "normal_phase_deg": 40, **FRICTION}
 
 
-def whole(t: Sweep) -> SweepResult:
-    """Return a sweep with all its results, of which a picture may show whatever it likes."""
+def test_pictures_need_no_other_results() -> None:
+    t = vibro.sweep(
+        along_amplitude_mm="0.1:3:15", frequency_hz="5:40:15", **ELLIPSE, normal_amplitude_2_mm=0.2,
+        trough_length_mm=600,
+    )  # fmt: skip
     grid = t._grid
-    limits = run.limits_of(grid.values())
-    return SweepResult(grid.axes, grid.fixed, t.cycle, limits, grid.length, None, "")
-
-
-@pytest.mark.parametrize(
-    ("given", "names"),
-    [
-        ({"amplitude_mm": "0.1:8:25", "frequency_hz": [10, 20], **LINE}, ("speed",)),
-        (
-            {"along_amplitude_mm": "0.1:3:15", "frequency_hz": "5:40:15", **ELLIPSE, "normal_phase_2_deg": 9,
-             "normal_amplitude_2_mm": 0.2},
-            ("flight",),
-        ),
-    ],
-    ids=["curves", "harmonics"],
-)  # fmt: skip
-def test_pictures_need_no_other_results(given: dict[str, Any], names: tuple[Any, ...]) -> None:
-    t = vibro.sweep(**given, trough_length_mm=600)
-    result = whole(t)
-    for name in names:
-        assert len(results_drawn([name], has_limits=result.limits is not None, of_starts=False)) < len(
-            RESULTS
-        )
-        np.testing.assert_array_equal(
-            pixels(t.draw(name)), pixels(map_figures(result, [name])[name]), err_msg=name
-        )
+    whole = SweepResult(
+        grid.axes, grid.fixed, t.cycle, run.limits_of(grid.values()), grid.length, None, ""
+    )  # of which a picture may show whatever it likes
+    assert len(results_drawn(["flight"], has_limits=True, of_starts=False)) < len(RESULTS)
+    every = map_figures(whole, ["flight"])["flight"]
+    np.testing.assert_array_equal(pixels(t.draw("flight")), pixels(every))
 
 
 def test_long_ranges_show_some_of_their_values_and_their_ends() -> None:
@@ -69,8 +48,8 @@ def test_long_ranges_show_some_of_their_values_and_their_ends() -> None:
     assert [len(indices) for indices in seen.values()] == [11, 600]
 
 
-@pytest.mark.parametrize("amplitudes", [[*np.linspace(0.5, 1.1, 13), 1.5, 3, 8]])
-def test_every_cell_has_the_colour_of_its_speed_where_it_lies(amplitudes: Any) -> None:
+def test_every_cell_has_the_colour_of_its_speed_where_it_lies() -> None:
+    amplitudes = [*np.linspace(0.5, 1.1, 13), 1.5, 3, 8]
     t = vibro.sweep(amplitude_mm=amplitudes, frequency_hz="15:30:4", **LINE)
     axes = t.draw("speed").axes[0]
     image = image_of(axes)

