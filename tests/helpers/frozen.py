@@ -12,21 +12,18 @@ exponent of 2. Cells whose text rounding may change are not compared: no input m
 from __future__ import annotations
 
 import argparse
-import json
 import math
-import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
-from helpers.frozen_commands import answers_of_commands, answers_of_designs
 from helpers.frozen_questions import Draws, batches
 
 import vibro
 from vibro.core.compiled import doors
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Iterator, Sequence
 
     from helpers.frozen_questions import Batch
     from numpy.typing import NDArray
@@ -35,22 +32,9 @@ if TYPE_CHECKING:
     Stored = dict[str, NDArray[Any]]
 
 
-FOLDER: Final = Path(__file__).parents[1] / "data" / "frozen"
-NUMBERS: Final = FOLDER / "numbers.npz"
+NUMBERS: Final = Path(__file__).parents[1] / "data" / "frozen" / "numbers.npz"
 _NEAR: Final = ("contact", "harmonics", "steps", "samples")  # of these every tenth is next to a threshold
 SETS: Final = (*_NEAR, "hops", "others", "histories", "machines")
-#: Answers in text.
-TEXTS: Final[dict[str, Callable[[], dict[str, Any]]]] = {
-    "designs": answers_of_designs,
-    "commands": answers_of_commands,
-}
-_DIGITS: Final = 1e-4  # [1] relative promise of the numbers of designs, fits and records
-_ESTIMATES: Final = re.compile(r"compare |motion |design |drive .*--fit")  # commands with such answers
-_NUMBER: Final = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
-_SMALL: Final = (
-    1e-3  # [mm, mm/s, deg, ...] below which numbers of tables are as good as zero, at that promise
-)
-_OF_A_RUN: Final = {"version", "argv"}  # keys
 
 _EPS: Final = float(np.finfo(np.float64).eps)
 _PROMISE: Final = 16.0  # [eps] of a number in contact, over one more than its condition
@@ -258,10 +242,6 @@ class Comparison(NamedTuple):
 
 def compare(name: str, stored: Stored) -> Comparison:
     """Answer a set anew, and compare."""
-    return _compare_texts(name) if name in TEXTS else _compare_numbers(name, stored)
-
-
-def _compare_numbers(name: str, stored: Stored) -> Comparison:
     texts, begin, all_units, equal, beyond = _texts_of(stored, name), 0, [0.0], 0, []
     every = 1 if doors().compiled else _EVERY
     cells = left_out = 0
@@ -292,47 +272,6 @@ def _compare_numbers(name: str, stored: Stored) -> Comparison:
         equal += int((asked & same).sum())
         all_units.append(float(worst[asked].max(initial=0.0)))
     return Comparison(cells, left_out, equal, max(all_units), beyond)
-
-
-def _compare_texts(name: str) -> Comparison:
-    old = json.loads((FOLDER / f"{name}.json").read_text(encoding="utf-8"))
-    new = json.loads(json.dumps(TEXTS[name]()))
-    start = _DIGITS if name == "designs" else 0.0
-    found = [(f"{name}: {where}", *rest) for where, *rest in _pairs("", old, new, start)]
-    beyond = [f"{where} was {x!r}, is {y!r} ({units:.3g})" for where, x, y, units in found if units > 1.0]
-    return Comparison(
-        len(found), 0, sum(units == 0.0 for *_, units in found), max(units for *_, units in found), beyond
-    )
-
-
-def _pairs(where: str, old: Any, new: Any, promise: float) -> Iterator[tuple[str, Any, Any, float]]:
-    """Compare two answers, value by value."""
-    if isinstance(old, dict) and isinstance(new, dict) and list(old) == list(new):
-        for key in old:
-            if key not in _OF_A_RUN:
-                own = promise or (_DIGITS if _ESTIMATES.match(key) else _FOLLOWED)
-                yield from _pairs(f"{where}[{key!r}]", old[key], new[key], own)
-    elif isinstance(old, list) and isinstance(new, list) and len(old) == len(new):
-        for i, (x, y) in enumerate(zip(old, new, strict=True)):
-            yield from _pairs(f"{where}[{i}]", x, y, promise)
-    elif isinstance(old, str) and isinstance(new, str) and _parts(old)[0] == _parts(new)[0]:
-        was, now = _parts(old)[1], _parts(new)[1]
-        differ = (_apart(x, y, promise) for x, y in zip(was, now, strict=True))
-        yield where, old, new, max(differ, default=0.0)
-    elif isinstance(old, float) and isinstance(new, float):
-        yield where, old, new, _apart(old, new, promise)
-    else:
-        yield where, old, new, 0.0 if type(old) is type(new) and old == new else math.inf
-
-
-def _parts(text: str) -> tuple[str, list[float]]:
-    """Part a text, or a row of a table, into what surrounds its numbers, and these."""
-    points = text.replace(",", ".") if ";" in text else text  # decimal commas
-    return _NUMBER.sub("#", points), [float(x) for x in _NUMBER.findall(points)]
-
-
-def _apart(x: float, y: float, promise: float) -> float:
-    return 0.0 if x == y or x != x != y != y else abs(x - y) / (promise * max(abs(x), abs(y), _SMALL))
 
 
 def read() -> Stored:
@@ -368,24 +307,21 @@ def make(names: Sequence[str]) -> None:
         if name in names:
             stored |= _made(name, stored)
     np.savez_compressed(NUMBERS, **stored)  # type: ignore[arg-type]
-    for name, ask in TEXTS.items():
-        if name in names:
-            (FOLDER / f"{name}.json").write_text(json.dumps(ask(), indent=1) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    ways, every = parser.add_mutually_exclusive_group(required=True), (*SETS, *TEXTS)
-    ways.add_argument("--make", nargs="*", choices=every, help="make the answers of these sets, or all, anew")
+    ways = parser.add_mutually_exclusive_group(required=True)
+    ways.add_argument("--make", nargs="*", choices=SETS, help="make the answers of these sets, or all, anew")
     ways.add_argument("--compare", action="store_true", help="compare, after --make too")
     wanted = parser.parse_args().make
     if wanted is not None:
-        make(wanted or every)
+        make(wanted or SETS)
     kept = read()
     print(f"{'set':12}{'values':>8}{'left out':>10}{'equal':>8}{'largest':>12}{'beyond':>8}")
-    for name in (*SETS, *TEXTS):
+    for name in SETS:
         count, left_out, equal, worst, beyond = compare(name, kept)
         print(f"{name:12}{count:8}{left_out:10}{equal:8}{worst:12.3g}{len(beyond):8}")
         for line in beyond[:3]:
