@@ -87,23 +87,21 @@ _MARKED: Final = {
     "slow": (
         "accuracy/test_trade.py", "core/test_javascript.py",
         "cli/test_capabilities.py", "cli/test_measure_trough.py",
-        "cli/test_report.py", "explore/test_browser", "designs/test_design.py",
+        "explore/test_browser", "designs/test_design.py",
         "designs/test_machine_drives.py", "designs/test_motions.py", "designs/test_windows.py",
         "explore/test_page_map.py",
         "messages/", "records/test_comparison.py", "records/test_fitting.py",
         "records/test_trough_harmonics.py",
         "answers/test_printed.py", "test_frozen.py", "test_gallery.py", "test_inverse_friction.py",
-        "test_pages.py", "test_site.py",
         "test_walks.py",
     ),
     "process": (
-        "cli/test_app.py", "cli/test_completion.py", "cli/test_interrupts.py",
+        "cli/test_app.py", "cli/test_interrupts.py",
         "cli/test_map_shards.py", "cli/test_streams.py", "core/test_compiled.py", "core/test_javascript.py",
         "explore/test_page_begins.py", "explore/test_page_file.py", "explore/test_page_map.py",
         "explore/test_page_motion.py", "explore/test_page_numbers.py", "explore/test_page_state.py",
         "plots/test_style.py", "tables/test_faults.py", "tables/test_readers.py", "tables/test_shards.py",
-        "test_building.py", "test_gallery.py", "test_imports.py", "test_pages.py",
-        "test_site.py", "test_threads.py", "test_translate.py",
+        "test_building.py", "test_gallery.py", "test_imports.py", "test_threads.py", "test_translate.py",
     ),
     "browser": (
         "explore/test_browser", "tables/test_libreoffice.py", "answers/test_printed.py", "test_site.py",
@@ -117,6 +115,16 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         "--update-messages", action="store_true", help="write into tests/messages what is said now"
     )
     parser.addoption("--in-node", action="store_true", help="take the solver's script for the compiled one")
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Where one marker alone is asked for, do not import files that lack it, which takes seconds."""
+    beginnings = _MARKED.get(config.getoption("markexpr"))
+    path = collection_path.relative_to(Path(__file__).parent).as_posix()
+    is_named = any(argument.partition("::")[0].endswith(path) for argument in config.args)
+    if beginnings and path.endswith(".py") and not path.startswith(beginnings) and not is_named:
+        return True
+    return None
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

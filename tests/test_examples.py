@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import json
 import re
 from collections import Counter
@@ -28,22 +27,13 @@ def run(*args: object) -> Result:
     return CliRunner().invoke(app, [str(arg) for arg in args])
 
 
-@pytest.mark.parametrize("name", ["paper_maps.py"])
-def test_what_people_copy_uses_public_names_alone(name: str) -> None:
-    tree = ast.parse((EXAMPLES / name).read_text(encoding="utf-8"))
-    imported = {alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names}
-    taken = {node.module: node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.module}
-    rooms = [module for module in {*imported, *taken} if module.startswith("vibro")]
-    assert rooms == ["vibro"]
-    read = {
-        node.attr
-        for node in ast.walk(tree)
-        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "vibro"
-    }
-    assert read <= set(vibro.__all__)
+def test_what_people_copy_uses_public_names_alone() -> None:
+    text = (EXAMPLES / "paper_maps.py").read_text(encoding="utf-8")
+    assert re.findall(r"^(?:from|import) vibro.*$", text, flags=re.MULTILINE) == ["import vibro"]
+    assert {*re.findall(r"\bvibro\.(\w+)", text)} <= {*vibro.__all__}
 
 
-# What README and the tour map is run by .ci/run, what pages of tasks and the gallery map by tests of theirs.
+# What README and the tour map is run by .ci/run, what tasks and the gallery map when the site is built.
 @pytest.mark.parametrize("name", [name for name in SCENES if f"map examples/{name}" not in MAPPED])
 def test_a_map_of_every_scene(name: str, tmp_path: Path) -> None:
     with coarse_pictures():
@@ -62,12 +52,6 @@ def rows_of_map(name: str) -> list[dict[str, str]]:
     return rows_of(result.stdout)
 
 
-def test_the_scenes_are_the_documented_ones() -> None:
-    assert {"safety_nut.toml", "mains_feeder.toml", "climbing_track.toml", "friction_grid.toml"} <= set(
-        SCENES
-    )
-
-
 def test_the_safety_nut_is_the_papers_scene() -> None:
     answer = json.loads(run("traverse-time", EXAMPLES / "safety_nut.toml", "--json").stdout)
     assert answer["mean_velocity_mm_s"] == pytest.approx(16.263456166287, rel=1e-13)
@@ -75,9 +59,8 @@ def test_the_safety_nut_is_the_papers_scene() -> None:
 
 
 def test_the_mains_feeder_hops_above_the_amplitude_that_its_comment_says() -> None:
-    hopping = [
-        float(row["amplitude_mm"]) for row in rows_of_map("mains_feeder.toml") if row["regime"] == "hopping"
-    ]
+    rows = rows_of_map("mains_feeder.toml")
+    hopping = [float(row["amplitude_mm"]) for row in rows if row["regime"] == "hopping"]
     assert min(hopping) == pytest.approx(0.29, abs=0.005)
 
 
@@ -97,24 +80,11 @@ def test_half_of_the_friction_grid_is_infeasible() -> None:
     assert status == {"infeasible": 81 * 80 // 2, "ok": 81 * 82 // 2}
 
 
-def test_every_nut_is_conveyed() -> None:
-    result = run("design", EXAMPLES / "design_nut.toml", "--digits", 9, "--json")
-    assert result.exit_code == 0, result.stderr
-    answer = json.loads(result.stdout)
-    assert answer["met"]
-    assert [design["highest_regime"] for design in answer["designs"]] == 3 * ["forward-slip"]
-    gentlest = answer["designs"][0]
-    # ../shared/reference/design, gentlest-02
-    assert gentlest["acceleration_g"] == pytest.approx(0.9655802596, rel=1e-6)
-    assert gentlest["speed_min_mm_s"] >= 30.0
-
-
 def test_the_feeder_cannot_and_the_tour_says_how_far_it_gets(tmp_path: Path) -> None:
     # of parts that do not bounce: a band of restitution takes minutes
     question, text = tmp_path / "feeder.toml", (EXAMPLES / "design_feeder.toml").read_text(encoding="utf-8")
     question.write_text(text.replace("[scene]\n", "[scene]\nrestitution = 0\n"), encoding="utf-8")
-    precise = ("design", question, "--digits", 9, "--other-regimes")
-    result = run(*precise)
+    result = run("design", question, "--digits", 9, "--other-regimes")
     assert result.exit_code == 4, result.stderr
     said = result.stdout.split("\n\n")[1]
     (shown,) = re.findall(r"```text\n(The fastest of each drive.*?)```", TOUR, flags=re.DOTALL)
@@ -122,18 +92,6 @@ def test_the_feeder_cannot_and_the_tour_says_how_far_it_gets(tmp_path: Path) -> 
     assert re.sub(number, "#", " ".join(said.split())) == re.sub(number, "#", " ".join(shown.split()))
     found, printed = ([float(x) for x in re.findall(number, text)] for text in (said, shown))
     assert printed == pytest.approx(found, rel=1e-2)
-    rows = json.loads(run(*precise, "--json").stdout)["designs"]
-    fastest = {
-        (row["drive"], row["highest_regime"]): row["speed_min_mm_s"]
-        for row in rows
-        if row["design"] == "fastest"
-    }
-    assert fastest["magnet", "forward-slip"] == pytest.approx(4.64, abs=5e-3)
-    assert fastest["magnet", "back-slip"] == pytest.approx(6.22, abs=5e-3)
-    assert fastest["unbalance motor", "forward-slip"] == pytest.approx(15.48, abs=5e-3)
-    assert fastest["unbalance motor", "back-slip"] == pytest.approx(20.72, abs=5e-3)
-    # what sampled optimisers of hopping find may differ; what was published is at least reached
-    assert fastest["magnet", "hopping"] >= 228.0
 
 
 def test_a_full_feeder_is_slower_above_resonance_and_faster_below() -> None:

@@ -28,16 +28,20 @@ DOCS: Final = Path(__file__).parents[1]
 BLOCK: Final = re.compile(
     r"(?:^<!-- exit code (\d+) -->\n)?^```(console|bash|python)\n(.*?)^```$", re.DOTALL | re.MULTILINE
 )
+KINDS: Final = ("console", "bash", "python")
 SHELL: Final = ("bash", "-euo", "pipefail", "-c")
 COMMAND: Final = re.compile(r"\$ ((?:[^\n]*\\\n)*[^\n]*\n)(.*)", re.DOTALL)
 
 
-def tasks() -> list[Path]:
-    """List the pages of tasks."""
-    return sorted({*DOCS.glob("tasks/*.md")} - {DOCS / "tasks" / "index.md"})
+def pages() -> dict[Path, tuple[str, ...]]:
+    """Return the pages that run, and the kinds of their blocks that do."""
+    tasks = sorted({*DOCS.glob("tasks/*.md")} - {DOCS / "tasks" / "index.md"})
+    tour = [DOCS.parent / "README.md", DOCS / "index.md", *sorted(DOCS.glob("guide/tour*.md"))]
+    guides = [page for page in sorted(DOCS.glob("guide/*.md")) if "```console" in page.read_text("utf-8")]
+    return dict.fromkeys([*tasks, *guides], KINDS) | dict.fromkeys(tour, ("console", "python"))
 
 
-def run_page(page: Path, folder: Path, kinds: Collection[str] = ("console", "bash", "python")) -> None:
+def run_page(page: Path, folder: Path, kinds: Collection[str] = KINDS) -> None:
     """Run all blocks of these kinds of a page in a new folder.
 
     Raises
@@ -91,8 +95,8 @@ def output_of(command: list[str], page: Path, folder: Path, code: str = "0") -> 
 def _make(app: Sphinx) -> None:
     made = DOCS / "_made"
     shutil.rmtree(made, ignore_errors=True)
-    for page in tasks():
-        run_page(page, made / page.stem)
+    for page, kinds in pages().items():
+        run_page(page, made / page.stem, kinds)
 
 
 def setup(app: Sphinx) -> dict[str, Any]:
