@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from helpers.cases import each
 
-from vibro.axes import MAX_VALUES, axis_of, default_count, parse_axis
+from vibro.axes import MAX_VALUES, axis_of, parse_axis
 from vibro.errors import InputError
 from vibro.quantities import QUANTITIES
 
@@ -20,21 +20,16 @@ def values_of(text: str, name: str = "amplitude", count: int = 5) -> list[float]
 @each(
     ("text", "expected"),
     [
-        ("15", [15.0]),
         ("15,20,25", [15.0, 20.0, 25.0]),
         ("0.0,74", [0.0, 74.0]),
-        ("3.97, 4.01", [3.97, 4.01]),
         ("0.1:0.5", [0.1, 0.2, 0.3, 0.4, 0.5]),
         ("0.1:0.4:4", [0.1, 0.2, 0.3, 0.4]),
-        ("0.1:0.4:4.0", [0.1, 0.2, 0.3, 0.4]),
         ("0.1:0.45:step=0.1", [0.1, 0.2, 0.3, 0.4]),
         ("0.1:0.4:step=0.1", [0.1, 0.2, 0.3, 0.4]),
-        ("1:1000:4:log", [1.0, 10.0, 100.0, 1000.0]),
         ("1:10000:log", [1.0, 10.0, 100.0, 1000.0, 10000.0]),
         ("5:80:step=2:log", [5.0, 10.0, 20.0, 40.0, 80.0]),
         ("5:79:step=2:LOG", [5.0, 10.0, 20.0, 40.0]),
         ("800um:1.2mm:3", [0.8, 1.0, 1.2]),
-        ("0.5:1mm:step=250um", [0.5, 0.75, 1.0]),
         ("-5:5:3", [-5.0, 0.0, 5.0]),
     ],
 )
@@ -50,10 +45,8 @@ def test_a_fine_range_accumulates_no_error() -> None:
     ("text", "count"),
     [
         ("1:2:2", 2),
-        ("1:2:step=1", 2),
         ("1:2:step=2:log", 2),
         (f"1:2:{MAX_VALUES}", MAX_VALUES),
-        (f"1:2:{MAX_VALUES}:log", MAX_VALUES),
         (f"0:{MAX_VALUES - 1}:step=1", MAX_VALUES),
     ],
 )
@@ -62,24 +55,15 @@ def test_the_fewest_and_the_most_values_of_a_range_are_allowed(text: str, count:
 
 
 @each(
-    ("text", "name", "echo"),
+    "text",
     [
-        ("0.1:3:200", "amplitude", "amplitude: 200 values, 0.1 ... 3 mm, step 0.0146"),
-        ("5:80:5:log", "frequency", "frequency: 5 values, 5 ... 80 Hz, factor 2"),
-        ("10,20,30", "drive_angle", "drive angle: 3 values, 10, 20, 30 deg"),
-        (
-            ",".join(map(str, range(1, 12))),
-            "drive_angle",
-            "drive angle: 11 values, 1, 2, 3, 4, 5, 6, 7, 8, ... deg",
-        ),
-        ("0.2:1:81", "static_friction", "static friction: 81 values, 0.2 ... 1, step 0.01"),
+        "1e-300:1e300:7:log",
+        "1e-300:1e300:step=10:log",
+        "0.12345678901234567:1.7976931348623157e308:5:log",
+        "-1e308:1e308:5",
+        "1e-320:1e-310:3",
     ],
 )
-def test_an_axis_says_what_was_understood(text: str, name: str, echo: str) -> None:
-    assert str(parse_axis(text, QUANTITIES[name]).axis(7)) == echo
-
-
-@each("text", ["1e-300:1e300:7:log", "1e-300:1e300:step=10:log", "-1e308:1e308:5", "1e-320:1e-310:3"])
 def test_extreme_ranges_are_spelled_out(text: str) -> None:
     values = values_of(text)
     assert values[0] == float(text.split(":")[0])
@@ -87,26 +71,13 @@ def test_extreme_ranges_are_spelled_out(text: str) -> None:
     assert values == sorted(set(values))
 
 
-def test_counts_left_open_depend_on_the_number_of_axes() -> None:
-    assert [default_count(n) for n in (1, 2, 3, 4)] == [200, 100, 20, 20]
-
-
-def test_an_axis_knows_its_words_and_column() -> None:
-    axis = parse_axis("0.1:3", QUANTITIES["amplitude"]).axis(3)
-    assert (axis.name, axis.label, axis.unit, axis.column) == ("amplitude", "amplitude", "mm", "amplitude_mm")
-    assert len(axis) == 3
-
-
 @each(
     ("value", "expected"),
     [
-        ([1, 2, 3], [1.0, 2.0, 3.0]),
         ([0.1, 0.2, 0.30000000000000004], [0.1, 0.2, 0.30000000000000004]),
         ([1, 1.5, "2mm", "0.3cm"], [1.0, 1.5, 2.0, 3.0]),
-        (["800um", "900um"], [0.8, 0.9]),
         ([2**53 + 1, 2**70], [2.0**53, 2.0**70]),
         (0.1, [0.1]),
-        ([5], [5.0]),
     ],
 )
 def test_a_list_holds_the_nearest_doubles(value: object, expected: list[float]) -> None:
@@ -140,16 +111,6 @@ def test_a_decimal_of_hundreds_of_digits_is_a_number() -> None:
     assert parse_axis(third, QUANTITIES["amplitude"]).value == 1 / 3
     assert values_of(f"{third}:1:3") == [1 / 3, 2 / 3, 1.0]
     assert values_of(f"{third}um,{third}") == [1 / 3000, 1 / 3]
-
-
-def test_the_ends_of_a_geometric_range_are_as_given() -> None:
-    text = "0.12345678901234567:1.7976931348623157e308:5:log"
-    assert values_of(text)[0] == 0.12345678901234567
-    assert values_of(text)[-1] == 1.7976931348623157e308
-
-
-def test_the_widest_axis_is_echoed() -> None:
-    assert str(parse_axis("5e-324:1e308:3:log", QUANTITIES["amplitude"]).axis(3)).endswith("factor inf")
 
 
 @each("given", [-0.0, [-0.0, 1.0], np.array([-0.0, 1.0]), "-0.0", "-0.0,1", "-0:1:2"])

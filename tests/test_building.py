@@ -7,10 +7,8 @@ import importlib
 import importlib.util
 import os
 import shutil
-import subprocess
 import sys
 import sysconfig
-import time
 from itertools import accumulate
 from pathlib import Path
 from types import ModuleType
@@ -26,7 +24,6 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).parents[1]
 has_compiler = any(map(shutil.which, ("cc", "gcc", "clang")))
-needs_library = pytest.mark.skipif(not (ROOT / CORE / LIBRARY).is_file(), reason="the solver is not compiled")
 
 
 # A solver of two modules, which is soon compiled.
@@ -78,9 +75,13 @@ def beside(library: Path) -> list[Path]:
 
 @pytest.mark.skipif(not has_compiler, reason="there is no C compiler (cc, gcc, clang)")
 def test_a_compiler_of_the_system_is_taken(checkout: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """And writes no byte of the library that programs run."""
     monkeypatch.setattr(compiling, "translate", translate.translate)
     assert required() == []
+    (checkout / CORE / LIBRARY).write_text(known(checkout), encoding="utf-8")
+    os.link(checkout / CORE / LIBRARY, checkout / "in use")
     assert compile_solver(checkout) == ""
+    assert (checkout / "in use").read_text(encoding="utf-8") == known(checkout)
     library = ctypes.CDLL(str(checkout / CORE / LIBRARY))
     library.vibro_sources.restype = ctypes.c_char_p
     assert library.vibro_sources().decode().split("\n") == [known(checkout), "loop.py", "numbers.py"]
@@ -112,13 +113,6 @@ def test_a_compiler_that_fails_leaves_no_library_of_another_source(
     assert " failed:" in said or "no-such-compiler cannot be run" in said
     assert "stays" not in said
     assert beside(library) == []
-
-
-def test_a_compiler_that_fails_leaves_a_library_of_this_source_alone(
-    checkout: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    library = checkout / CORE / LIBRARY
-    monkeypatch.setenv("CC", FAILS[0])
     library.write_text(known(checkout), encoding="utf-8")
     assert compile_solver(checkout).endswith("\nThe library that is there is of this source, and stays")
     assert library.read_text(encoding="utf-8") == known(checkout)
@@ -146,71 +140,6 @@ def test_a_library_that_the_system_does_not_let_go_is_told(
     said = f"Access is denied: {library} cannot be replaced; end the programs that run it, and try again"
     assert compile_solver(checkout) == said
     assert library.read_text(encoding="utf-8") == before
-    assert beside(library) == [library]
-
-
-# Loads what is there again and again, and leaves a mark for every time.
-PROGRAM = """
-import sys
-import vibro
-from vibro.core.compiled import doors
-scene = vibro.Scene(amplitude=1e-3, frequency=15, drive_angle=.35, static_friction=.7, kinetic_friction=.5)
-with open(sys.argv[1], "ab", buffering=0) as uses:
-    while True:
-        doors.cache_clear()
-        assert doors().compiled, "not compiled"
-        vibro.solve(scene)
-        uses.write(b".")
-"""
-# Writes half of the library, and goes on when the program has loaded what is there.
-SLOW = """
-uses, whole = Path({uses!r}), Path({library!r}).read_bytes()
-def wait():
-    end = uses.stat().st_size + 3
-    for _ in range(3000):
-        if uses.stat().st_size >= end or uses.with_name("ended").exists():
-            return
-        time.sleep(0.01)
-with out.open("wb", buffering=0) as file:
-    file.write(whole[:len(whole) // 2])
-    wait()
-    file.write(whole[len(whole) // 2:])
-    wait()
-"""
-
-
-@needs_library
-def test_programs_run_on_while_the_solver_is_compiled(
-    checkout: Path, compiler: Callable[[str], None], tmp_path: Path
-) -> None:
-    library, kept, uses = checkout / CORE / LIBRARY, tmp_path / "kept", tmp_path / "uses"
-    for name in (LIBRARY, "loop.py"):
-        shutil.copy(ROOT / CORE / name, checkout / CORE)
-    os.link(library, kept)
-    whole = kept.read_bytes()
-    uses.touch()
-    compiler(SLOW.format(uses=str(uses), library=str(ROOT / CORE / LIBRARY)))
-    env = {name: value for name, value in os.environ.items() if name != "VIBRO_SOLVER"}
-    env["PYTHONPATH"] = str(checkout / "src")
-    command = [sys.executable, "-c", PROGRAM, str(uses)]
-    with subprocess.Popen(command, env=env, stderr=subprocess.PIPE, text=True) as program:
-        try:
-
-            def wait() -> None:
-                end = uses.stat().st_size + 3
-                while program.poll() is None and uses.stat().st_size < end:
-                    time.sleep(0.01)
-
-            wait()
-            assert compile_solver(checkout) == ""
-            wait()
-            assert program.poll() is None
-        finally:
-            program.kill()
-            said = program.communicate()[1]
-    assert said == ""
-    assert not library.samefile(kept)
-    assert kept.read_bytes() == library.read_bytes() == whole
     assert beside(library) == [library]
 
 
@@ -268,15 +197,9 @@ def test_a_wheel_is_built_from_a_copy_and_its_library_is_of_its_source(
     assert Path.cwd() == checkout
     assert (checkout / CORE / LIBRARY).stat() == before
     assert source.read_text(encoding="utf-8").endswith("# changed")
-
-
-def test_an_editable_installation_is_compiled_in_place(
-    checkout: Path, compiler: Callable[[str], None], hatchling: Hatchling
-) -> None:
     compiler("out.write_bytes(source.read_bytes())")
-    backend = importlib.import_module("backend")
-    assert backend.build_editable("wheels") == "vibro.whl"
-    assert hatchling.built == [("wheels", checkout, True)]
+    assert backend.build_editable("wheels") == "vibro.whl"  # compiled in place
+    assert hatchling.built[1] == ("wheels", checkout, True)
 
 
 @pytest.mark.parametrize("platform", ["", "win_amd64"])

@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import pytest
 from helpers.cases import each
 
-from vibro.errors import MOST_LISTED, InputError, Problems, cut, did_you_mean, shown
+from vibro.errors import MOST_LISTED, InputError, Problems, did_you_mean, shown
 
 
 @each("value", [1.5, -3, "0.1:3", "it's", [1, 2.0, "3mm"], {"a": 1}, None, True, 1e-300, "µm", (0, 74)])
@@ -21,17 +20,11 @@ def test_short_values_are_shown_as_they_are(value: Any) -> None:
     ("value", "part"),
     [
         (10**400, "a whole number of about 401 digits"),
-        (-(10**5000), "a whole number of about 5001 digits"),
-        (16**100_000, "digits"),
         ("9" * 5000, "(5000 characters)"),
         ("\x1b[31m\n\x07" * 100, "\\x1b[31m\\n"),
         ([10**5000, 1], "[a whole number of about 5001 digits, 1]"),
         (list(range(1_000_000)), "[0, 1, 2, 3, 4, 5, ...]"),
-        ({str(i): i for i in range(1000)}, "..."),
         (np.arange(10_000.0).reshape(100, 100), "array([[0."),
-        (pd.Series(range(100)), "0 0 1 1"),
-        (pd.NA, "<NA>"),
-        (b"\0" * 1000, "..."),
     ],
 )
 def test_long_values_are_cut_to_a_line(value: Any, part: str) -> None:
@@ -53,15 +46,6 @@ def test_what_cannot_be_written_is_shown_all_the_same() -> None:
     assert shown(nested) == "[[[[[[[...]]]]]]]"
 
 
-def test_a_text_is_cut_in_its_middle() -> None:
-    assert cut("0.74mm") == "0.74mm"
-    assert cut("1\n2\x07") == "1\\n2\\x07"
-    text = cut("0." + "3" * 5000 + "mm")
-    assert text.startswith("0.333")
-    assert text.endswith("333mm (5004 characters)")
-    assert len(text) < 90
-
-
 def test_the_first_problems_are_told_and_the_others_counted() -> None:
     error = InputError(*(f"problem {i}" for i in range(20_000)), hint="\n".join(map(str, range(100))))
     assert error.problems[:2] == ("problem 0", "problem 1")
@@ -69,19 +53,11 @@ def test_the_first_problems_are_told_and_the_others_counted() -> None:
     assert len(error.problems) == MOST_LISTED + 1
     assert error.hint.splitlines()[-1] == f"{100 - MOST_LISTED} more such hints"
     assert InputError(*(["x"] * MOST_LISTED)).problems == ("x",) * MOST_LISTED
-
-
-def test_no_line_of_a_message_is_long_or_obeyed_by_a_terminal() -> None:
-    error = InputError("--show " + "9" * 5000, "\x1b[2J", hint="write " + "9" * 5000)
-    assert all(len(line) < 600 and line.isprintable() for line in (*error.problems, error.hint))
-    assert error.problems[1] == "\\x1b[2J"
-
-
-def test_problems_tell_of_which_fields_they_are() -> None:
-    assert InputError("one", "two", fields=["a", ""]).fields == ("a", "")
-    assert InputError("one").fields == ()
     many = InputError(*map(str, range(50)), fields=[f"f{n}" for n in range(50)])
     assert len(many.fields) == MOST_LISTED == len(many.problems) - 1
+    # no line of a message is long or obeyed by a terminal
+    wild = InputError("--show " + "9" * 5000, "\x1b[2J", hint="write " + "9" * 5000)
+    assert all(len(line) < 600 and line.isprintable() for line in (*wild.problems, wild.hint))
 
 
 def refuse(*problems: str, hint: str = "", fields: tuple[str, ...] = ()) -> None:
@@ -108,14 +84,11 @@ def test_problems_are_raised_together_each_hint_once() -> None:
     ("word", "more", "meant"),
     [
         ("amplitud_mm", {}, "did you mean 'amplitude_mm'?"),
-        ("AMPLITUDE", {}, "did you mean 'amplitude_mm'?"),
         ("nut.TML", {}, "did you mean 'Nut.toml'?"),
         ("nut.tml", {"before": "in/"}, "did you mean 'in/Nut.toml'?"),
         ("a_mm", {"most": 2, "cutoff": 0.3}, "did you mean 'amplitude_mm' or 'odd\\x1b name'?"),
         ("odd name", {}, "did you mean 'odd\\x1b name'?"),
-        ("qqq", {}, ""),
         ("", {}, ""),
-        (10**5000, {}, ""),
         ("9" * 100_000, {}, ""),
     ],
 )

@@ -8,7 +8,6 @@ from html.parser import HTMLParser
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pytest
 from helpers.plans import store, swept
 
 import vibro
@@ -69,44 +68,26 @@ def test_texts_are_escaped_and_rows_without_any_left_out() -> None:
     assert 'colspan="2"' in text
 
 
-@pytest.mark.parametrize(
-    ("values", "expected"),
-    [
-        (-0.0, "0 mm"), (math.nan, "none"), (math.inf, "none"), ([], "none"), ([math.nan] * 2, "none"),
-        ([2.0, 2.0], "2 mm"), ([3.0, 1.23456789], "1.23457 ... 3 mm"),
-        ([1.0, math.nan, 2.0, math.inf], "1 ... 2 mm (2 of 4 without)"),
-    ],
-)  # fmt: skip
-def test_numbers_are_summarised(values: Any, expected: str) -> None:
-    assert span(values, "mm") == expected
-
-
-def test_codes_are_counted_the_most_frequent_first() -> None:
+def test_numbers_and_codes_are_summarised() -> None:
+    assert span(-0.0, "mm") == "0 mm"
+    assert span([math.nan] * 2, "mm") == span([], "mm") == "none"
+    assert span([3.0, 1.23456789], "mm") == "1.23457 ... 3 mm"
+    assert span([1.0, math.nan, 2.0, math.inf], "mm") == "1 ... 2 mm (2 of 4 without)"
     texts = {0: "rest", 1: "slip", -1: ""}
     assert counts(np.array([1, 1, 0, -1, 1, 7, 0]), texts) == "slip: 3, rest: 2, none: 1, 7: 1"
-    assert counts(np.int8(-1), texts) == "none"
-    assert counts(np.array([], np.int8), texts) == "none"
     assert counts(np.arange(9), {}) == "0: 1, 1: 1, 2: 1, 3: 1, 4: 1, 5: 1, 3 more"
 
 
-def test_scenes_are_shown_in_the_units_of_their_files() -> None:
-    caption, rows = shown(vibro.Scene(amplitude=1e-3, **LINE))
-    assert caption == "scene"
-    assert rows["amplitude"] == ["1 mm"]
-    assert rows["drive angle"] == ["20 deg"]
-    caption, rows = shown(vibro.Scene(amplitude=np.linspace(1e-3, 2e-3, 6).reshape(2, 3), **LINE))
-    assert (caption, rows["amplitude"]) == ("2 x 3 scenes", ["1 ... 2 mm"])
-    friction = {"static_friction": 0.4, "kinetic_friction": 0.3}
+def test_scenes_and_their_results_are_shown_in_the_units_of_files() -> None:
+    scene = vibro.Scene(amplitude=np.linspace(1e-3, 2e-3, 6).reshape(2, 3), **LINE)
+    caption, rows = shown(scene)
+    assert (caption, rows["amplitude"], rows["drive angle"]) == ("2 x 3 scenes", ["1 ... 2 mm"], ["20 deg"])
+    friction = {"frequency": 2, "static_friction": 0.4, "kinetic_friction": 0.3}
     pairs = {"along_harmonics": [(1e-3, 0), (2e-4, 0.5)], "normal_harmonics": [(3e-4, math.pi / 2)]}
-    _, rows = shown(vibro.Scene(**pairs, frequency=20, **friction))
+    _, rows = shown(vibro.Scene(**pairs, **friction))
     assert (rows["along amplitude 2"], rows["normal phase 1"]) == (["0.2 mm"], ["90 deg"])
-    _, rows = shown(
-        vibro.Scene(motion=vibro.Motion.steps([(0.8, 2.4), (0.2, -9.6)]), frequency=2, **friction)
-    )
+    _, rows = shown(vibro.Scene(motion=vibro.Motion.steps([(0.8, 2.4), (0.2, -9.6)]), **friction))
     assert rows["motion"] == ["2 pieces, at most 9.6 m/s^2"]
-
-
-def test_results_are_shown_in_the_units_of_tables() -> None:
     cycle = vibro.solve(vibro.Scene(amplitude=1e-3, **LINE))
     caption, rows = shown(cycle)
     assert caption == "steady cycle"
@@ -116,7 +97,6 @@ def test_results_are_shown_in_the_units_of_tables() -> None:
     caption, rows = shown(vibro.solve(vibro.Scene(amplitude=amplitudes, **LINE), flight=False))
     assert caption == "5 steady cycles"
     assert rows["regime"] == ["forward-slip: 2, no-slip: 1, back-slip: 1, hopping: 1"]
-    assert rows["status"] == ["ok: 4, flight-not-modelled: 1"]
     assert rows["mean velocity"][0].endswith("mm/s (1 of 5 without)")
 
 
@@ -130,24 +110,19 @@ def test_sweeps_are_shown_with_their_cells(tmp_path: Path) -> None:
     caption, rows = shown(vibro.open_sweep(store(held, tmp_path / "<&>")))
     assert caption.startswith("StoredSweep of amplitude_mm")
     assert rows["folder"] == [f"{tmp_path / '<&>'}: 1 files, {held.to_frame().shape[1]} columns"]
-    assert rows["regime"] == ["no-slip: 4, forward-slip: 1, back-slip: 1"]
-    assert rows["status"] == ["ok: 6"]
     fastest = held.to_frame()["mean_velocity_mm_s"].max()
     assert rows["fastest"] == [f"{fastest:.6g} mm/s at amplitude 1.5 mm, frequency 15 Hz"]
-    assert shown(swept())[0] == "Sweep of one operating point"
 
 
 def test_histories_are_shown_in_short() -> None:
     history = vibro.simulate(vibro.Scene(amplitude=1e-3, **LINE), cycles=10)
     assert repr(history) == "<History of 0.666667 s: 21 phases, of which F_ repeat>"
-    assert len(history.phases) == 21
     caption, rows = shown(history)
     assert (caption, rows["duration"], rows["phases"]) == ("history", ["0.666667 s"], ["21"])
     assert (rows["pattern"], rows["period"]) == (["F_"], ["1 drive cycle"])
     assert rows["repeats from"] == [f"{history.settles_at:.6g} s"]
     assert rows["displacement per cycle"] == [f"{1e3 * history.cycle_displacement:.6g} mm"]
     rest = vibro.simulate(vibro.Scene(amplitude=1e-4, **LINE), cycles=2)
-    assert repr(rest) == "<History of 0.133333 s: 1 phases>"
     assert shown(rest)[1] == {"duration": ["0.133333 s"], "phases": ["1"], "pattern": ["none repeats"]}
 
 

@@ -20,7 +20,6 @@ from vibro.axes import axis_of, parse_axis
 from vibro.drives import Ellipse, Line, Piecewise
 from vibro.errors import InputError
 from vibro.quantities import (
-    DRIVES,
     DURATION,
     ELLIPTICAL,
     HARMONIC,
@@ -30,12 +29,10 @@ from vibro.quantities import (
     MASS,
     QUANTITIES,
     STANDS_FOR,
-    START_VELOCITY,
     Quantity,
     checked_number,
     exact_number,
     find_quantity,
-    given_unit,
     kinetic_friction,
 )
 from vibro.records.reading import read_record
@@ -43,84 +40,38 @@ from vibro.scene import Scene
 
 
 @each(
-    ("name", "text", "expected"),
-    [
-        ("amplitude", "15", 15.0),
-        ("amplitude", "1.2mm", 1.2),
-        ("amplitude", "800um", 0.8),
-        ("amplitude", "800\u00b5m", 0.8),
-        ("amplitude", "800\u03bcm", 0.8),
-        ("amplitude", " .5 MM ", 0.5),
-        ("amplitude", "0.05in", 1.27),
-        ("amplitude", "0.3cm", 3.0),
-        ("amplitude", "1e-3m", 1.0),
-        ("stroke", "2mm", 2.0),
-        ("frequency", "900rpm", 15.0),
-        ("frequency", "0.05kHz", 50.0),
-        ("frequency", "15hz", 15.0),
-        ("drive_angle", "20\u00b0", 20.0),
-        ("drive_angle", "20 deg", 20.0),
-        ("drive_angle", "0.35rad", math.degrees(0.35)),
-        ("gravity", "9.81m/s^2", 9.81),
-        ("gravity", "9.81 m/s\u00b2", 9.81),
-        ("static_friction", "-0.74", -0.74),
-        ("amplitude", "3.97", 3.97),
-    ],
-)
-def test_a_number_is_read_in_the_default_unit(name: str, text: str, expected: float) -> None:
-    assert float(exact_number(text, QUANTITIES[name])) == pytest.approx(expected, rel=2e-16)
-
-
-@each(
     ("quantity", "text", "expected"),
     [
-        (DURATION, "1.5", 1.5),
+        (QUANTITIES["amplitude"], "15", 15.0),
+        (QUANTITIES["amplitude"], "800\u00b5m", 0.8),
+        (QUANTITIES["amplitude"], "800\u03bcm", 0.8),
+        (QUANTITIES["amplitude"], " .5 MM ", 0.5),
+        (QUANTITIES["amplitude"], "0.05in", 1.27),
+        (QUANTITIES["amplitude"], "1e-3m", 1.0),
+        (QUANTITIES["frequency"], "900rpm", 15.0),
+        (QUANTITIES["frequency"], "0.05kHz", 50.0),
+        (QUANTITIES["drive_angle"], "20\u00b0", 20.0),
+        (QUANTITIES["drive_angle"], "0.35rad", math.degrees(0.35)),
+        (QUANTITIES["gravity"], "9.81 m/s\u00b2", 9.81),
+        (QUANTITIES["static_friction"], "-0.74", -0.74),
+        (QUANTITIES["amplitude"], "1e-99999999999", 0.0),  # tiny exponents do not explode
         (DURATION, "250ms", 0.25),
-        (DURATION, "1.5min", 90.0),
         (DURATION, "2h", 7200.0),
-        (MASS, "0.02", 0.02),
         (MASS, "20g", 0.02),
-        (MASS, "0.5 kg", 0.5),
         (MASS, "10lb", 4.5359237),  # the international pound
-        (START_VELOCITY, "0.02m/s", 20.0),
-        (START_VELOCITY, "2in/s", 50.8),
         (LEAST_SPEED, "6m/min", 100.0),
-        (LEAST_SPEED, "600 MM/min", 10.0),
-        (LEAST_SPEED, "60in/min", 25.4),
         (LEAST_SPEED, "20ft/min", 101.6),
-        (LEAST_SPEED, "0.1ft/s", 30.48),
+        (LEAST_SPEED, "60in/min", 25.4),
     ],
 )
-def test_quantities_of_a_run_have_units_too(quantity: Quantity, text: str, expected: float) -> None:
-    assert float(exact_number(text, quantity)) == expected
-
-
-PAIRS = "vibro friction lists pairs of materials"
-
-
-@each(
-    ("text", "unit", "size"),
-    [("5", "mm/s", 1), ("5 M/MIN", "m/min", Fraction(50, 3)), (" 2e3um/s ", "um/s", Fraction(1, 1000))],
-)
-def test_the_unit_of_a_number_is_found(text: str, unit: str, size: Fraction) -> None:
-    assert given_unit(text, LEAST_SPEED) == (unit, size)
-
-
-def test_tiny_exponents_do_not_explode() -> None:
-    assert exact_number("1e-99999999999", QUANTITIES["amplitude"]) == 0
+def test_a_number_is_read_in_the_default_unit(quantity: Quantity, text: str, expected: float) -> None:
+    assert float(exact_number(text, quantity)) == pytest.approx(expected, rel=2e-16)
 
 
 @each("name", QUANTITIES)
 def test_conversions_are_inverse(name: str) -> None:
     values = np.array([0.1, 1.0, 44.5])
     np.testing.assert_allclose(QUANTITIES[name].from_si(QUANTITIES[name].to_si(values)), values, rtol=4e-16)
-
-
-def test_si_values() -> None:
-    assert QUANTITIES["amplitude"].to_si(3.97) == 3.97 / 1000
-    assert QUANTITIES["drive_angle"].to_si(20.0) == math.radians(20)
-    assert QUANTITIES["frequency"].to_si(15.0) == 15.0
-    assert QUANTITIES["trough_length"].to_si(600.0) == 0.6
 
 
 def test_a_scene_has_the_fields_and_defaults_of_the_description() -> None:
@@ -141,38 +92,17 @@ def test_a_scene_has_the_fields_and_defaults_of_the_description() -> None:
             assert parameter.default == QUANTITIES[name].to_si(default)
 
 
-@each("name", [name for name in DRIVES + Line._fields if name != "static_friction"])
-def test_a_range_ends_where_it_says(name: str) -> None:
-    quantity = QUANTITIES[name]
-    for end, belongs, outward in (
-        (quantity.allowed.low, quantity.allowed.with_low, -math.inf),
-        (quantity.allowed.high, quantity.allowed.with_high, math.inf),
-    ):
-        if math.isfinite(end):
-            at = quantity.to_si(end)
-            assert bool(quantity.allows(at)) is belongs
-            assert not quantity.allows(math.nextafter(at, outward))
-            assert quantity.allows(math.nextafter(at, -outward))
-
-
 @each(
     ("called", "name"),
     [
-        ("amplitude", "amplitude"), ("A", "amplitude"), ("-a", "drive_angle"), ("drive angle", "drive_angle"),
-        ("--drive-angle", "drive_angle"), ("drive_angle_deg", "drive_angle"), ("alpha", "drive_angle"),
-        ("mu_s", "static_friction"), ("--mu-ratio", "friction_ratio"), ("MU_D", "kinetic_friction"),
-        (" f ", "frequency"), ("L", "trough_length"),
+        ("A", "amplitude"), ("-a", "drive_angle"), ("drive angle", "drive_angle"), ("alpha", "drive_angle"),
+        ("--mu-ratio", "friction_ratio"), ("MU_D", "kinetic_friction"), (" f ", "frequency"),
+        ("L", "trough_length"), ("speed", None), ("a", None), ("l", None), ("", None),
     ],
 )  # fmt: skip
-def test_a_quantity_is_found_by_any_of_its_names(called: str, name: str) -> None:
+def test_a_quantity_is_found_by_any_of_its_names(called: str, name: str | None) -> None:
     found = find_quantity(called)
-    assert found is not None
-    assert found.name == name
-
-
-@each("called", ["speed", "a", "l", ""])
-def test_a_word_that_is_no_quantity(called: str) -> None:
-    assert find_quantity(called) is None
+    assert (found and found.name) == name
 
 
 @given(st.integers(1, 9999), st.integers(1, 9999))
@@ -191,12 +121,6 @@ def test_kinetic_friction_is_a_rounding_of_the_product_at_most_static(ratio: flo
     assert abs(found - ratio * static) <= np.spacing(ratio * static)
     assert found <= static
     assert kinetic_friction(1.0, static) == static
-
-
-def test_a_checked_number_is_within_its_range() -> None:
-    assert checked_number("800um", QUANTITIES["amplitude"]) == 0.8
-    with pytest.raises(InputError, match="amplitude = -1mm"):
-        checked_number("-1mm", QUANTITIES["amplitude"])
 
 
 def test_a_swept_ratio_may_exceed_1() -> None:
@@ -228,17 +152,18 @@ def test_no_pattern_of_numbers_takes_other_digits() -> None:
     assert not [line for line in lines if r"\d" in re.sub(r"\\delta|\\W_?\\d", "", line)]
 
 
-@pytest.mark.parametrize("name", QUANTITIES)
-def test_squares_of_all_that_a_quantity_may_be_are_doubles(name: str) -> None:
+@each("quantity", QUANTITIES.values())
+def test_a_range_ends_where_it_says_and_squares_within_it_are_doubles(quantity: Quantity) -> None:
     """But of what may be 0: next to it all counts as 0."""
-    quantity = QUANTITIES[name]
-    low, high = quantity.allowed.low, quantity.allowed.high
-    for end in (low, high):
-        assert math.isfinite(end)
-        assert end == 0.0 or 0.0 < quantity.to_si(end) ** 2 < math.inf
-    assert not quantity.allows(quantity.to_si(math.nan))
-    assert not quantity.allows(1e155)
-    if low > 0.0:
-        assert not quantity.allows(1e-320)
-    assert quantity.allows(quantity.to_si(low)) == quantity.allowed.with_low
-    assert quantity.allows(quantity.to_si(high)) == quantity.allowed.with_high
+    allowed = quantity.allowed
+    for end, belongs, outward in (
+        (allowed.low, allowed.with_low, -math.inf),
+        (allowed.high, allowed.with_high, math.inf),
+    ):
+        at = quantity.to_si(end)
+        assert end == 0.0 or 0.0 < at**2 < math.inf
+        assert bool(quantity.allows(at)) is belongs
+        assert not quantity.allows(math.nextafter(at, outward))
+        assert at == 0.0 or quantity.allows(math.nextafter(at, -outward))
+    for beyond in (math.nan, 1e155, *([1e-320] if allowed.low > 0.0 else [])):
+        assert not quantity.allows(quantity.to_si(beyond))

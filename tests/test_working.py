@@ -2,28 +2,13 @@
 
 from __future__ import annotations
 
-import re
-from html import unescape
-
-import pytest
-from rooms import ROOT, drawing, layers_of, purpose_of, steps_of
-
-INDEX = (ROOT / "docs" / "working" / "index.md").read_text(encoding="utf-8")
+from rooms import ROOT, layers_of, purpose_of, steps_of
 
 
-@pytest.mark.parametrize("package", ["vibro", "vibro.core"])
-def test_every_room_is_drawn_with_its_purpose(package: str) -> None:
-    svg = drawing(package)
-    words = re.sub(r"\s+", " ", re.sub(r"<[^>]*>", " ", unescape(svg)))
-    for room in (room for layer in layers_of(package) for room in layer):
-        assert purpose_of(package, room).endswith("."), room
-        assert f">{room}</text>" in svg
-        assert re.sub(r"\s+", " ", purpose_of(package, room).replace("``", "")) in words, room
-
-
-def test_the_way_of_a_scene_is_numbered_in_the_drawing() -> None:
-    steps = steps_of(INDEX)
+def test_every_room_says_its_purpose_and_the_way_of_a_scene_leads_through_them() -> None:
+    for package in ("vibro", "vibro.core"):
+        for room in (room for layer in layers_of(package) for room in layer):
+            assert purpose_of(package, room).endswith("."), room
+    steps = steps_of((ROOT / "docs" / "working" / "index.md").read_text(encoding="utf-8"))
     assert [number for number, _ in steps] == list(range(1, 11))
-    svg = drawing("vibro", steps)
-    numbers = ",".join(re.findall(r">([\d, ]+)</text>", svg))
-    assert sorted(map(int, numbers.split(","))) == list(range(1, 11))
+    assert {room for _, room in steps} <= {room for layer in layers_of("vibro") for room in layer}
