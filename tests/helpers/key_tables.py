@@ -12,26 +12,60 @@ from vibro.files.entries import Entry
 
 REFERENCE = Path(__file__).parents[2] / "docs" / "reference"
 PAGES = {"scene-files.md": SCENE_FILE, "design-files.md": DESIGN_FILE}
-HEAD = "| key | what | range | form | where it is left out |\n|---|---|---|---|---|\n"
+HEAD = "| key | what | value | where it is left out |\n|---|---|---|---|\n"
 OF_MAP = "Keys of `[scene]` but lists, and `[machine]`'s bands: each a number, a list or an axis.\n"
+SHARED = """
+A machine has the other keys of `[machine]`, and a given motion those of `[motion]`, as [scene files](scene-files.md) have them.
+"""
+LARGE = 1e8  # [1] a limit of this size keeps arithmetic finite; the pages' first words have all of them
 
 
-def _row(key: str, entry: Entry) -> str:
-    quantity, form = entry.quantity, entry.form
+def _range(entry: Entry) -> str:
+    """Say which numbers are allowed; nothing of what most keys allow: all above 0."""
+    form, allowed = entry.form, entry.quantity.allowed
     is_number = "line" not in form.spellings and not form.words
-    allowed = quantity.allowed.text(quantity.unit).removeprefix("finite and ") if is_number else ""
-    cells = (f"`{key}`", quantity.meaning, allowed, form.says, entry.usual)
-    return f"|{'|'.join(f' {cell} ' if cell else ' ' for cell in cells)}|\n"
+    if not is_number or allowed.high < LARGE:
+        return allowed.text(entry.quantity.unit).removeprefix("finite and ") if is_number else ""
+    if allowed.low > 0.0:
+        return "" if allowed.low < 1.0 else f"{allowed.low:g} or more"
+    if allowed.low < 0.0:
+        return "" if form.rows else "any sign"
+    return "0 or more"
+
+
+def _cells(entry: Entry) -> tuple[str, str, str]:
+    """What a key means, its value, and what stands for it."""
+    form, span = entry.form.says, _range(entry)
+    value = span if form == "number" else f"{form}{f', {span}' if span else ''}"
+    return entry.quantity.meaning, value, entry.usual
+
+
+def _rows(entries: dict[str, Entry]) -> list[str]:
+    """Make the rows of a table; a key along the trough and the same normal to it share one."""
+    rows = []
+    for key, entry in entries.items():
+        meaning, *others = _cells(entry)
+        keys, twin = [key], key.replace("along_", "normal_", 1)
+        normal = _cells(entries[twin]) if twin != key and twin in entries else None
+        if normal and normal[1:] == tuple(others):
+            keys, meaning = [key, twin], f"{meaning}; also normal to the trough"
+        if not any(f"`{key}`" in row for row in rows):
+            cells = ("<br>".join(f"`{name}`" for name in keys), meaning, *others)
+            rows.append(f"|{'|'.join(f' {cell} ' if cell else ' ' for cell in cells)}|\n")
+    return rows
 
 
 def tables_of(file: FileKind) -> str:
-    """Make a table of the keys of each table of a file; [map] has those of other tables."""
-    parts = []
+    """Make a table of the keys of each table of a file, without those that files of scenes have with the same words."""
+    parts, known = [], set()
+    if file is DESIGN_FILE:
+        known = {row for name in ("machine", "motion") for row in _rows(SCENE_FILE.tables[name].entries)}
     for table in file.tables.values():
-        rows = (_row(key, entry) for key, entry in table.entries.items())
-        keys = OF_MAP if table.heading == "[map]" else HEAD + "".join(rows)
+        rows = _rows(table.entries)
+        shared = SHARED if known & {*rows} else ""
+        keys = HEAD + "".join(row for row in rows if row not in known) + shared
         meaning = f"{table.meaning[:1].upper()}{table.meaning[1:]}"
-        parts.append(f"## `{table.heading}`\n\n{meaning}.\n\n{keys}")
+        parts.append(f"## `{table.heading}`\n\n{meaning}.\n\n{OF_MAP if table.heading == '[map]' else keys}")
     return "\n".join(parts)
 
 

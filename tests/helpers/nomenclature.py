@@ -6,6 +6,7 @@ python tests/helpers/nomenclature.py    # writes them into their pages
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from vibro.cli.exit_codes import ExitCode
 from vibro.core.codes import Status
@@ -28,6 +29,9 @@ from vibro.results.steady import (
 from vibro.scene import Scene
 from vibro.units import SPEED, TIME
 
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
 UNITS = """\
 Options, axes of scene files and arguments of `vibro.sweep` take numbers with these units. Capital and small
 letters are the same; `um` may be written with either micro sign. Frictions and the restitution are pure
@@ -40,10 +44,28 @@ Every cell has one status. [Chapter 7 of the theory](../theory/07-special-cases.
 EXIT_CODES = """\
 The exit code says how a run ended. Code 1 means a file that is missing or exists already, or a full disk."""
 OTHERS = "Bold symbols have another meaning on these pages: German practice (VDI 2333) swaps letters."
+DESIGNS = """\
+A row is a drive, a highest regime and a design. Inputs, and `acceleration_g`, are those of the chosen (*nominal*) setting, about which
+the bands and drifts lie."""
 FILLING = """\
-What `vibro solve filling=` adds, where the trough moves as the scene says (theory, section 18). Three
+What `vibro solve filling=` adds to the shares above, where the trough moves as the scene says (theory, section 18). Three
 columns `given_motion_..._percent` say up to which filling, as a share of the trough's mass, this holds within
 1 % of the speed."""
+TOGETHER = {
+    "amplitude_low_mm amplitude_high_mm stroke_low_mm stroke_high_mm motion_scale_low motion_scale_high":
+        "ends of the window of amplitudes (of an ellipse, along the trough), strokes or scales, within which a search finds no "
+        "part that misses the goal",
+    "frequency_needed_hz amplitude_needed_mm stroke_needed_mm motion_scale_needed":
+        "nearest drive that meets the goal",
+    "restitution_low restitution_high restitution_assumed":
+        "band of restitution of its parts, where some hop, and whether it is assumed, as none is given",
+    "amplitude_least_mm amplitude_most_mm":
+        "smallest and largest amplitude within the bands of voltage and filling",
+    "low_set_by high_set_by": "constraints at the ends of the window",
+    "added_mass_share_error added_damping_share_error":
+        "standard errors of the shares where they are means over many cycles, else 0",
+}  # fmt: skip
+"""Columns of designs and fillings that share a row, and what they mean together."""
 REFERENCE = Path(__file__).parents[2] / "docs" / "reference"
 FIELDS = {"along_amplitude_2": "along_harmonics", "normal_amplitude_2": "normal_harmonics"}
 """Fields of a scene that hold several quantities, by the one beside which they are listed."""
@@ -61,8 +83,10 @@ ELSEWHERE = (
     TIPPING_LOAD_RATIO,
 )
 """Results that are no attributes of ``SteadyCycle``."""
-HEADER = "| column, name in Python | meaning | symbol | unit in Python |"
-MOTION = "| `Scene.motion` | any periodic motion: harmonics, steps or samples, a `Motion` | - | - |"
+HEADER = "| column, name in Python | meaning | symbol |"
+NOMINAL = {ACCELERATION.column, *(q.column for q in QUANTITIES.values())}
+"""Columns that designs have like other tables."""
+MOTION = "| `Scene.motion` | any periodic motion: harmonics, steps or samples, a `Motion` | - |"
 """The field of a scene that is no quantity."""
 SYNONYMS = {
     "amplitude_mm": "$r$, $X_0$, $e$ (eccentricity); half of *Schwingweite* or *Hub*",
@@ -91,10 +115,10 @@ SYNONYMS = {
 """What others write for the same, by column."""
 
 
-def _row(symbol: str, name: str, unit: str, column: str, meaning: str) -> str:
+def _row(symbol: str, name: str, column: str, meaning: str) -> str:
     shown = f"${symbol}$" if symbol else "-"
     names = f"`{column}`<br>`{name}`" if name else f"`{column}`"
-    return f"| {names} | {meaning} | {shown} | {unit or '1'} |"
+    return f"| {names} | {meaning} | {shown} |"
 
 
 def _units() -> list[str]:
@@ -115,8 +139,19 @@ def _result(result: Result) -> str:
         name = ""
     elif result in (*MACHINE_RESULTS, BENT_SPEED):
         name = f"OperatingPoints.{result.name}"
-    unit = result.kind.si_unit if result.dtype is float or result.is_number else "code"
-    return _row(result.symbol, name, unit, result.column, result.meaning)
+    return _row(result.symbol, name, result.column, result.meaning)
+
+
+def _shared(columns: Iterable[tuple[str, str]]) -> list[str]:
+    """Make a row a column and its meaning, or a group of them."""
+    group = {name: names for names in TOGETHER for name in names.split()}
+    rows = []
+    for column, meaning in columns:
+        names = group.get(column, column).split()
+        if names[0] == column:
+            shown = "<br>".join(f"`{name}`" for name in names)
+            rows.append(f"| {shown} | {TOGETHER.get(' '.join(names), meaning)} |")
+    return rows
 
 
 def _columns() -> list[list[str]]:
@@ -124,7 +159,6 @@ def _columns() -> list[list[str]]:
         _row(
             q.symbol,
             f"Scene.{FIELDS.get(q.name, q.name)}" if q.name in SCENE else "",
-            q.kind.si_unit.replace("^2", "²"),
             q.column,
             q.meaning,
         )
@@ -138,15 +172,15 @@ def _columns() -> list[list[str]]:
         if result.name == "peak_velocity":
             results.append(_result(TRAVERSE_TIME))
     results += [_result(result) for result in (*ELSEWHERE, *MACHINE_RESULTS, BENT_SPEED)]
-    designs = [f"| `{c.name}` | {c.meaning} | {c.unit or '1'} |" for c in DESIGN_COLUMNS]
-    weighed = [f"| `{r.column}` | {r.meaning} | {r.kind.unit or '1'} |" for r in WEIGHED]
-    head = [HEADER, "|---|---|---|---|"]
+    designs = _shared((c.name, c.meaning) for c in DESIGN_COLUMNS if c.name not in NOMINAL)
+    weighed = _shared((r.column, r.meaning) for r in WEIGHED if r not in MACHINE_RESULTS)
+    head = [HEADER, "|---|---|---|"]
     others = [f"| `{column}` | {words} |" for column, words in SYNONYMS.items()]
-    plain = ["| CSV column | meaning | unit |", "|---|---|---|"]
+    plain = ["| column | meaning |", "|---|---|"]
     return [
         ["## Inputs", "", *head, *inputs],
         ["## Results", "", *head, *results],
-        ["## Designs", "", *plain, *designs],
+        ["## Designs", "", DESIGNS, "", *plain, *designs],
         ["## A filling", "", FILLING, "", *plain, *weighed],
         ["## What others call it", "", OTHERS, "", "| column | elsewhere |", "|---|---|", *others],
     ]
