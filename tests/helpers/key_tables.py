@@ -15,7 +15,8 @@ PAGES = {"scene-files.md": SCENE_FILE, "design-files.md": DESIGN_FILE}
 HEAD = "| key | what | value | where it is left out |\n|---|---|---|---|\n"
 OF_MAP = "Keys of `[scene]` but lists, and `[machine]`'s bands: each a number, a list or an axis.\n"
 SHARED = """
-A machine has the other keys of `[machine]`, and a given motion those of `[motion]`, as [scene files](scene-files.md) have them.
+A machine has the other keys of `[machine]`, and a given motion those of `[motion]`, as in
+[scene files](scene-files.md).
 """
 LARGE = 1e8  # [1] a limit of this size keeps arithmetic finite; the pages' first words have all of them
 
@@ -29,7 +30,7 @@ def _range(entry: Entry) -> str:
     if allowed.low > 0.0:
         return "" if allowed.low < 1.0 else f"{allowed.low:g} or more"
     if allowed.low < 0.0:
-        return "" if form.rows else "any sign"
+        return "" if form.rows[1] else "any sign"
     return "0 or more"
 
 
@@ -42,7 +43,7 @@ def _cells(entry: Entry) -> tuple[str, str, str]:
 
 def _rows(entries: dict[str, Entry]) -> list[str]:
     """Make the rows of a table; a key along the trough and the same normal to it share one."""
-    rows = []
+    rows: list[str] = []
     for key, entry in entries.items():
         meaning, *others = _cells(entry)
         keys, twin = [key], key.replace("along_", "normal_", 1)
@@ -56,7 +57,7 @@ def _rows(entries: dict[str, Entry]) -> list[str]:
 
 
 def tables_of(file: FileKind) -> str:
-    """Make a table of the keys of each table of a file, without those that files of scenes have with the same words."""
+    """Make a table of the keys of each table of a file; designs' without what scenes' say alike."""
     parts, known = [], set()
     if file is DESIGN_FILE:
         known = {row for name in ("machine", "motion") for row in _rows(SCENE_FILE.tables[name].entries)}

@@ -45,16 +45,16 @@ EXIT_CODES = """\
 The exit code says how a run ended. Code 1 means a file that is missing or exists already, or a full disk."""
 OTHERS = "Bold symbols have another meaning on these pages: German practice (VDI 2333) swaps letters."
 DESIGNS = """\
-A row is a drive, a highest regime and a design. Inputs, and `acceleration_g`, are those of the chosen (*nominal*) setting, about which
-the bands and drifts lie."""
+A row is a drive, a highest regime and a design. Inputs, and `acceleration_g`, are those of the chosen
+(*nominal*) setting, about which the bands and drifts lie."""
 FILLING = """\
-What `vibro solve filling=` adds to the shares above, where the trough moves as the scene says (theory, section 18). Three
-columns `given_motion_..._percent` say up to which filling, as a share of the trough's mass, this holds within
-1 % of the speed."""
+What `vibro solve filling=` adds to the shares above, where the trough moves as the scene says (theory,
+section 18). Three columns `given_motion_..._percent` say up to which filling, as a share of the trough's
+mass, this holds within 1 % of the speed."""
 TOGETHER = {
     "amplitude_low_mm amplitude_high_mm stroke_low_mm stroke_high_mm motion_scale_low motion_scale_high":
-        "ends of the window of amplitudes (of an ellipse, along the trough), strokes or scales, within which a search finds no "
-        "part that misses the goal",
+        "ends of the window of amplitudes (of an ellipse, along the trough), strokes or scales, within which "
+        "a search finds no part that misses the goal",
     "frequency_needed_hz amplitude_needed_mm stroke_needed_mm motion_scale_needed":
         "nearest drive that meets the goal",
     "restitution_low restitution_high restitution_assumed":
