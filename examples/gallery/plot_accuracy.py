@@ -3,10 +3,8 @@ What other methods cost
 =======================
 
 Time for one scene against the largest error in its mean speed, both axes logarithmic: far left and low
-is good. Vertical ticks are the median errors. Time steps and smoothed friction pay for every digit;
-following events is accurate and slow. The command draws scenes at random and measures on this machine,
-so numbers differ a little from run to run; it writes ``out/accuracy.png``. Python has no such function:
-the star is ``vibro.solve``.
+is good. Vertical ticks are the median errors. Scenes are drawn at random and timed on this machine, so
+numbers differ a little from run to run. File: ``out/accuracy.png``. The star is ``vibro.solve``.
 
 .. code-block:: bash
 

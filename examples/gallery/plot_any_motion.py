@@ -2,10 +2,9 @@
 A motion that is no sine
 ========================
 
-A slip-stick conveyor moves along itself alone, gently forward and sharply back, as the scene file gives
-it in steps. The axes are the size of that motion and its frequency. Below the lower line parts stay
-where they are on the trough; above the upper one they slide back too, and stronger motion no longer
-helps. The command writes ``out/slip-speed.png``.
+A slip-stick conveyor moves along itself alone, gently forward and sharply back, in steps that the scene
+file gives. Below the lower line parts stay where they are; above the upper one they slide back too, and
+stronger motion no longer helps. File: ``out/slip-speed.png``.
 
 .. code-block:: bash
 

@@ -2,10 +2,9 @@
 Parts that move backwards
 =========================
 
-On a climbing track a part may slide back farther than forward. Where speeds have both signs the scale
-has two colours and its middle at zero; the double line is zero speed, and hatches mark what moves
-backwards, also in grey. This track may climb 7 deg. Triangles mark the fastest point each way. The
-command writes ``out/climb-speed.png``.
+On a climbing track a part may slide back farther than forward. The scale then has two colours and its
+middle at zero; hatches mark what moves backwards. This track may climb 7 deg. Triangles mark the fastest
+point each way. File: ``out/climb-speed.png``.
 
 .. code-block:: bash
 

@@ -2,10 +2,9 @@
 A record beside the model
 =========================
 
-Signals of a record (dots) beside the exact steady motion of the scene (lines). On the left is the
-beginning of the record, on the right all cycles laid on one. Here the record is a simulation with
-smoothed friction: it moves a little in every cycle where the part should rest, and its peak speed is too
-low. The command writes ``out/compare.png``; Python has what it is compared with.
+Signals of a record (dots) beside the exact steady motion of the scene (lines). On the right all cycles
+are laid on one. This record is a simulation with smoothed friction: it moves where the part should rest,
+and its peak speed is too low. File: ``out/compare.png``.
 
 .. code-block:: bash
 

@@ -4,8 +4,7 @@ One curve for each value
 
 A list of up to twelve values beside a range makes a curve each: here two spring packs over what lies in
 the trough. Above resonance (5 leaves, 47.6 Hz) a full feeder gets slower, below it (6 leaves, 52.6 Hz)
-faster. Dots on the curves have the colours of the regimes that begin there. The command writes
-``out/full-speed.png``.
+faster. Dots mark where a regime begins. File: ``out/full-speed.png``.
 
 .. code-block:: bash
 

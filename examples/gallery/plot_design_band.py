@@ -3,9 +3,8 @@ Speed of all parts
 ==================
 
 At the frequency and the angle of the chosen design: the slowest and the fastest part over the amplitude,
-with the nominal part between them. The grey window has the amplitudes that keep the goal;
-its width is the margin for setting the feeder. The command writes ``out/design-band.png``; Python finds
-the window of any scene; ``limit`` is the largest amplitude of the design's drive.
+with the nominal part (in the middle of the bands) between them. The grey window keeps the goal. File:
+``out/design-band.png``. In Python ``limit`` is the largest amplitude of the drive.
 
 .. code-block:: bash
 

@@ -3,8 +3,7 @@ Regimes of all parts
 ====================
 
 The same question by regime. Where colours are hatched, parts differ: the one with the lowest friction
-slips already, the one with the highest still rests. Regions of one colour hold for every part of the
-band. The command writes ``out/design-regime.png``; a guarantee tells the same of a single setting.
+slips already, the one with the highest still rests. File: ``out/design-regime.png``.
 
 .. code-block:: bash
 

@@ -3,9 +3,8 @@ Settings that meet a goal
 =========================
 
 Friction is known as a band, and every part has to make 30 mm/s without slipping back. Colours are the
-speed of the slowest part at each setting, the dashed frame is what the drive can do, and
-the bold outline holds what meets the goal. The circle is the safest design, farthest from all limits.
-The command writes ``out/design-speed.png``; in Python the designs are a table.
+speed of the slowest part at each setting, the dashed frame is what the drive can do, the bold outline
+what meets the goal. The circle is the safest design. File: ``out/design-speed.png``.
 
 .. code-block:: bash
 

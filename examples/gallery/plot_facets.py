@@ -2,9 +2,9 @@
 One map for each value
 ======================
 
-A list beside two ranges makes a map each, up to twelve, on the same scales. From left to right the drive
-angle grows: the trough throws parts at lower amplitudes, and the region of forward slip alone widens.
-The command writes ``out/angles-regime.png``, and speeds in the same layout.
+A list beside two ranges makes a map each, up to twelve, on the same scales. As the drive angle grows,
+the trough throws parts at lower amplitudes, and the region of forward slip alone widens. File:
+``out/angles-regime.png``; speeds have the same layout.
 
 .. code-block:: bash
 

@@ -2,9 +2,8 @@
 Time in flight
 ==============
 
-The share of a cycle that a part spends in the air. Beyond 0.8 or so friction hardly acts: parts go where
-the trough throws them, and the speed depends on when they land. The command draws this picture only
-where ``--show`` asks for it, and writes ``out/throw-flight.png``.
+The share of a cycle that a part spends in the air. Beyond 0.8 or so friction hardly acts, and the speed
+depends on when parts land. ``--show`` asks for this picture. File: ``out/throw-flight.png``.
 
 .. code-block:: bash
 

@@ -3,8 +3,7 @@ Flights and impacts
 ===================
 
 At 4 mm the trough throws the same part (red), and it slides forward or back after each landing. The
-lowest panel is the height above the trough. In flight no friction acts; crosses in the forces mark
-impacts, at which the relative velocity jumps. The command writes ``out/hop.png``.
+lowest panel is the height above the trough; crosses in the forces mark impacts. File: ``out/hop.png``.
 
 .. code-block:: bash
 

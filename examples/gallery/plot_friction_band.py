@@ -2,10 +2,9 @@
 A band of friction
 ==================
 
-Friction is seldom known, so give it an axis of its own: a bowl feeder over the phase of its drive and
-the friction of the parts. A setting is a vertical line, and what it promises is the slowest speed on
-that line within the band that you expect. The circle is today's phase of 0, the triangle the fastest
-cell. The command writes ``out/bowl-speed.png``.
+Friction is seldom known, so give it an axis of its own. A setting is a vertical line: it promises the
+slowest speed on that line within the band that you expect. The circle is today's phase of 0, the
+triangle the fastest cell. File: ``out/bowl-speed.png``.
 
 .. code-block:: bash
 

@@ -2,10 +2,9 @@
 Both frictions
 ==============
 
-One drive, and parts of every friction: how fast does it convey them? The hatched half cannot be, as
-kinetic friction is never above static friction. Right of the back-slip onset parts slip forward alone
-and are fast; left of it they slide back too, and in continuous sliding static friction no longer
-matters. The command writes ``out/frictions-speed.png``.
+One drive, and parts of every friction. The hatched half cannot be, as kinetic friction is never above
+static friction. Right of the back-slip onset parts slip forward alone and are fast; left of it they
+slide back too. File: ``out/frictions-speed.png``.
 
 .. code-block:: bash
 

@@ -4,8 +4,7 @@ Forces and motion over time
 
 A part over three cycles, from the top: the trough, the forces, and the motion relative to the trough. A
 slide (blue) begins where the load reaches a limit of static friction (dashed) and ends where the
-relative velocity is zero again; between slides, friction is as large as the load. The command writes
-``out/history.png``; from Python the phases are a table with exact times, and any time can be asked for.
+relative velocity is zero again. File: ``out/history.png``.
 
 .. code-block:: bash
 

@@ -2,9 +2,8 @@
 Impact speed
 ============
 
-How fast parts land, normal to the trough: the largest speed of all landings. Above the hop limit an
-impact is gentle at first and grows with the load; delicate parts need a setting close to that line. The
-command draws this picture only where ``--show`` asks for it, and writes ``out/throw-impact.png``.
+How fast parts land, normal to the trough: the largest speed of all landings. Delicate parts need a
+setting close to the hop limit. ``--show`` asks for this picture. File: ``out/throw-impact.png``.
 
 .. code-block:: bash
 

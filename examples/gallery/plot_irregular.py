@@ -3,9 +3,8 @@ Irregular motion
 ================
 
 Parts that bounce hardly ever repeat their motion: their speeds are means over many flights, with a
-standard error that the table has. Faint stripes mark them. Each square is a cell of the table, since a
-finer picture would show scatter alone. The command writes ``out/bounce-speed.png``; ``draw`` shows the
-same cells without the finer borders.
+standard error that the table has. Faint stripes mark them. Squares are cells of the table, since a finer
+picture would show scatter alone. File: ``out/bounce-speed.png``.
 
 .. code-block:: bash
 

@@ -2,10 +2,8 @@
 One axis
 ========
 
-A feeder at mains frequency has one knob, the amplitude. The speed lies over bands of the regimes, which
-the strip on top names. Vertical lines are critical loads, and the legend gives their amplitudes: parts
-begin to hop at 0.29 mm. The command writes
-``out/feeder-speed.png``.
+A feeder at mains frequency has one knob, the amplitude. The strip on top names the regimes, vertical
+lines are where they begin: parts hop from 0.29 mm on. File: ``out/feeder-speed.png``.
 
 .. code-block:: bash
 

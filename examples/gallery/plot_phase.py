@@ -3,8 +3,8 @@ Phase of an ellipse
 ===================
 
 The trough moves along an ellipse, and the phase between its two motions decides how fast parts go, and
-which way. Best is a phase near -80 deg: the trough then presses a part least while it slides forward.
-Half a turn away parts go back at the same speed. The command writes ``out/phase-speed.png``.
+which way. Near -80 deg the trough presses a part least while it slides forward; half a turn away parts
+go back at the same speed. File: ``out/phase-speed.png``.
 
 .. code-block:: bash
 

@@ -3,9 +3,8 @@ Regimes
 =======
 
 What a part does over amplitude and frequency: it rests, slides forward only, slides forward and back, or
-hops. Every line is a critical load of the drive. Beyond continuous sliding it never rests. The circle is
-the operating point of the scene file, so its distance from the next line is the margin: here the part
-stays in forward slip up to 1.19 mm. The command writes ``out/nut-regime.png``.
+hops. The circle is the operating point of the scene file, its distance from the next line the margin:
+here forward slip lasts up to 1.19 mm. File: ``out/nut-regime.png``.
 
 .. code-block:: bash
 

@@ -3,9 +3,8 @@ Amplitude and speed of a machine
 ================================
 
 A magnetic feeder over the frequency of its drive, empty and with 4 kg in its trough. A filling moves the
-resonance to the left and flattens it; at 50 Hz, to the right of both peaks, the amplitude and the speed
-of a full feeder fall. The bands are what the mains' voltage changes. The command prints the set-up sheet
-and writes ``out/drive-response.png``; in Python the operating points are arrays.
+resonance to the left and flattens it: at 50 Hz amplitude and speed of a full feeder fall. Bands are what
+the mains' voltage changes. File: ``out/drive-response.png``.
 
 .. code-block:: bash
 

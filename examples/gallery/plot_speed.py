@@ -3,9 +3,8 @@ Mean conveying speed
 ====================
 
 How fast the same part goes, on a logarithmic scale. Labelled contours join settings of equal speed:
-follow one to trade amplitude for frequency. They stop where motion does not repeat with the drive; faint
-stripes mark irregular motion, whose speed is a mean over many flights. The triangle marks the fastest
-cell of the table. The command writes ``out/nut-speed.png``.
+follow one to trade amplitude for frequency. They stop where motion does not repeat with the drive. The
+triangle marks the fastest cell. File: ``out/nut-speed.png``.
 
 .. code-block:: bash
 

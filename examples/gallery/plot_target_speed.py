@@ -3,9 +3,7 @@ Where a speed is reached
 ========================
 
 Which parts does one drive convey at 20 mm/s or faster? ``--speed`` adds a red line to the map, and the
-command prints the share of the cells that reach it. On which side of the line speeds are higher, the
-contours tell. The command writes ``out/which-speed.png``; Python gives the share, and draws maps without
-the line.
+command prints the share of the cells that reach it. File: ``out/which-speed.png``.
 
 .. code-block:: bash
 

@@ -2,9 +2,9 @@
 Traverse time
 =============
 
-How long the part takes over the trough, 600 mm long in this scene file: length over mean speed. Read it
-like the map of speeds, with the colours turned round: light is fast here too. Without a length there is
-no such picture; ``-L 400`` gives one. The command writes ``out/nut-traverse.png``.
+How long the part takes over the trough, 600 mm long in this scene file: length over mean speed. Light is
+fast here too. Without a length there is no such picture; ``-L 400`` gives one. File: ``out/nut-
+traverse.png``.
 
 .. code-block:: bash
 

@@ -3,9 +3,8 @@ Path of the trough
 ==================
 
 Where the trough moves along an ellipse, its path is drawn below the motion, and coloured by what the
-part does: it slides forward (blue) on the upper way and back (yellow) on the lower one. The forces show
-what that is good for: the limits of friction are narrow while it slides forward, and wide while it
-slides back. The command writes ``out/ellipse.png``.
+part does: it slides forward (blue) on the upper way and back (yellow) on the lower one. The limits of
+friction are narrow while it slides forward, and wide while it slides back. File: ``out/ellipse.png``.
 
 .. code-block:: bash
 
