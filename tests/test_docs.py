@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from helpers.key_tables import PAGES as KEY_PAGES
-from helpers.key_tables import page_with as page_with_keys
-from helpers.nomenclature import PAGES as REFERENCE_PAGES
-from helpers.nomenclature import REFERENCE, page_with
+from key_tables import PAGES as KEY_PAGES
+from key_tables import page_with as page_with_keys
+from nomenclature import PAGES as REFERENCE_PAGES
+from nomenclature import REFERENCE, page_with
 from PIL import Image
 
 import vibro
@@ -132,9 +132,9 @@ def test_tables_of_the_reference_are_what_the_code_says() -> None:
         name: (REFERENCE / name).read_text(encoding="utf-8") for name in (*REFERENCE_PAGES, *KEY_PAGES)
     }
     for name in REFERENCE_PAGES:
-        assert page_with(name) == written[name], "python tests/helpers/nomenclature.py writes them"
+        assert page_with(name) == written[name], "python docs/ext/nomenclature.py writes them"
     for name in KEY_PAGES:
-        assert page_with_keys(name) == written[name], "python tests/helpers/key_tables.py writes them"
+        assert page_with_keys(name) == written[name], "python docs/ext/key_tables.py writes them"
 
 
 def test_all_fields_of_scenes_and_results_are_listed() -> None:

@@ -1,6 +1,6 @@
 """Tables of keys in scene-files.md and design-files.md of docs/reference, from the description of files.
 
-python tests/helpers/key_tables.py    # writes them into the pages
+python docs/ext/key_tables.py    # writes them into the pages
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from pathlib import Path
 from vibro.files.descriptions import DESIGN_FILE, SCENE_FILE, FileKind
 from vibro.files.entries import Entry
 
-REFERENCE = Path(__file__).parents[2] / "docs" / "reference"
+REFERENCE = Path(__file__).parents[1] / "reference"
 PAGES = {"scene-files.md": SCENE_FILE, "design-files.md": DESIGN_FILE}
 HEAD = "| key | what | value | where it is left out |\n|---|---|---|---|\n"
 OF_MAP = "Keys of `[scene]` but lists, and `[machine]`'s bands: each a number, a list or an axis.\n"

@@ -1,6 +1,6 @@
 """Tables of units, columns and codes in docs/reference, made from what the code says of them.
 
-python tests/helpers/nomenclature.py    # writes them into their pages
+python docs/ext/nomenclature.py    # writes them into their pages
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ TOGETHER = {
         "standard errors of the shares where they are means over many cycles, else 0",
 }  # fmt: skip
 """Columns of designs and fillings that share a row, and what they mean together."""
-REFERENCE = Path(__file__).parents[2] / "docs" / "reference"
+REFERENCE = Path(__file__).parents[1] / "reference"
 FIELDS = {"along_amplitude_2": "along_harmonics", "normal_amplitude_2": "normal_harmonics"}
 """Fields of a scene that hold several quantities, by the one beside which they are listed."""
 SCENE = {*Scene.__dataclass_fields__, *FIELDS}
