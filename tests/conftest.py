@@ -104,7 +104,7 @@ _MARKED: Final = {
         "test_building.py", "test_gallery.py", "test_imports.py", "test_threads.py", "test_translate.py",
     ),
     "browser": (
-        "explore/test_browser", "tables/test_libreoffice.py", "answers/test_printed.py", "test_site.py",
+        "explore/test_browser", "answers/test_printed.py", "test_site.py",
     ),
 }  # fmt: skip
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from html.parser import HTMLParser
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from helpers.plans import store, swept
+from helpers.read_pages import ReadPage
 
 import vibro
 from vibro.html_tables import counts, html_table, span
@@ -29,42 +29,17 @@ QUESTION = {
 }
 
 
-class _Cells(HTMLParser):
-    """Collects the cells of each row, and refuses tags that are left open or not expected."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.rows: list[list[str]] = []
-        self._open: list[str] = []
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        assert tag in {"table", "caption", "thead", "tbody", "tr", "th", "td"}
-        self._open.append(tag)
-        if tag in ("tr", "caption"):
-            self.rows.append([])
-
-    def handle_endtag(self, tag: str) -> None:
-        assert self._open.pop() == tag
-
-    def handle_data(self, data: str) -> None:
-        if self._open[-1:] != ["table"] and data.strip():
-            self.rows[-1].append(data)
-
-
 def shown(value: Any) -> tuple[str, dict[str, list[str]]]:
     """Return the caption of what a notebook shows, and its cells by the first of their row."""
-    parser = _Cells()
-    parser.feed(value if isinstance(value, str) else value._repr_html_())
-    parser.close()
-    assert not parser._open
-    (caption,), *rows = parser.rows
-    return caption, {row[0]: row[1:] for row in rows if row}
+    page = ReadPage(value if isinstance(value, str) else value._repr_html_())
+    assert {*page.tags} <= {"table", "caption", "thead", "tbody", "tr", "th", "td"}
+    return page.text.partition("\n")[0], {row[0]: row[1:] for row in page.rows}
 
 
 def test_texts_are_escaped_and_rows_without_any_left_out() -> None:
     text = html_table("<i>", [("a&b", "<script>"), ("empty", "", ""), ("wide", "x")], ["", "1", "2"])
     assert "<script>" not in text
-    assert shown(text) == ("<i>", {"1": ["2"], "a&b": ["<script>"], "wide": ["x"]})
+    assert shown(text) == ("<i>", {"": ["1", "2"], "a&b": ["<script>"], "wide": ["x"]})
     assert 'colspan="2"' in text
 
 
@@ -138,7 +113,7 @@ def test_guarantees_and_designs_are_shown() -> None:
     _, rows = shown(
         replace(found, regimes=frozenset(), proof_min="searched", speed_max=math.inf, min_at={"x": 1.0})
     )
-    assert rows["guaranteed"] == ["inf mm/s"]
+    assert rows["guaranteed"] == ["", "inf mm/s"]
     result = vibro.design(QUESTION, only="goal")
     text = result._repr_html_()
     assert "&lt;b&gt;&amp;" in text

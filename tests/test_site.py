@@ -10,14 +10,13 @@ import os
 import re
 from html import unescape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 from urllib.parse import unquote, urlsplit
 
 import pytest
 from helpers.browsers import axe, browser
 
 import vibro
-from vibro.cli.app import app
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
@@ -110,23 +109,6 @@ def test_every_public_name_is_described_once(site: Path, pages: dict[Path, Page]
     assert private == []
 
 
-def test_every_command_is_described_with_all_its_options(site: Path) -> None:
-    from typer.main import get_command
-
-    main: Any = get_command(app)
-    for name, command in main.commands.items():
-        page = (site / "reference" / "commands" / f"{name}.html").read_text(encoding="utf-8")
-        described = set(re.findall(r'class="pre">(--?[\w-]+)<', page))
-        options = {
-            option
-            for parameter in command.params
-            if not getattr(parameter, "hidden", False)
-            for option in parameter.opts
-            if option[0] == "-"
-        }
-        assert options <= described, name
-
-
 def test_every_equation_has_an_anchor_and_docstrings_lead_to_it(site: Path, pages: dict[Path, Page]) -> None:
     for source in (DOCS / "theory").glob("[0-9]*.md"):
         numbers = re.findall(r"\\tag\{(\d+)\}", source.read_text(encoding="utf-8"))
@@ -134,12 +116,6 @@ def test_every_equation_has_an_anchor_and_docstrings_lead_to_it(site: Path, page
         assert {f"eq-{number}" for number in numbers} <= set(anchors), source.name
     links = pages[site / "reference" / "api" / "machines.html"].links
     assert "../../theory/19-machines.html#eq-85" in links
-
-
-def test_schemas_can_be_taken_along(site: Path, pages: dict[Path, Page]) -> None:
-    for kind in ("scene", "design"):
-        links = pages[site / "reference" / f"{kind}-files.html"].links
-        assert [link for link in links if link.endswith(f"vibro-{kind}.schema.json")]
 
 
 @pytest.fixture(scope="module")

@@ -35,7 +35,7 @@ def _range(entry: Entry) -> str:
 
 
 def _cells(entry: Entry) -> tuple[str, str, str]:
-    """What a key means, its value, and what stands for it."""
+    """Return what a key means, its value, and what stands for it."""
     form, span = entry.form.says, _range(entry)
     value = span if form == "number" else f"{form}{f', {span}' if span else ''}"
     return entry.quantity.meaning, value, entry.usual

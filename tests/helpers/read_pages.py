@@ -53,7 +53,7 @@ class ReadPage(HTMLParser):
 
     def handle_endtag(self, tag: str) -> None:
         self._hidden = False
-        if tag in ("p", "li", "h1", "h2", "dd", "dt", "tr", "figcaption"):
+        if tag in ("p", "li", "h1", "h2", "dd", "dt", "tr", "figcaption", "caption"):
             self.text += "\n"
 
     def handle_data(self, data: str) -> None:

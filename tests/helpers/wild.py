@@ -18,28 +18,30 @@ SHARES = {"axes": 2.0, "texts": 1.5, "tables": 1.5, "commands": 0.25, "wild": 0.
 QUANTITY = st.sampled_from(list(QUANTITIES.values()))
 NUMBER = st.sampled_from(
     [
-        "1",
-        "15",
-        "0.1",
-        "-3",
-        "1e3",
-        "1e400",
-        "1e-400",
-        ".5",
-        "5.",
-        "0x1f",
-        "1_000",
-        "nan",
-        "inf",
-        "-inf",
-        "1/2",
-        "½",
-        "٣",
         "",
+        *[
+            "1",
+            "15",
+            "0.1",
+            "-3",
+            "1e3",
+            "1e400",
+            "1e-400",
+            ".5",
+            "5.",
+            "0x1f",
+            "1_000",
+            "nan",
+            "inf",
+            "-inf",
+            "1/2",
+            "½",
+            "٣",
+        ],
     ]
 )
 UNIT = st.sampled_from(
-    ["", "mm", "um", "µm", "Hz", "rpm", "deg", "°", "rad", "m/s^2", "in", "Mm", "parsec", "%", "$"]
+    ["", *["mm", "um", "µm", "Hz", "rpm", "deg", "°", "rad", "m/s^2", "in", "Mm", "parsec", "%", "$"]]
 )
 PIECE = st.one_of(
     st.builds(str.__add__, NUMBER, UNIT),
@@ -78,7 +80,7 @@ TOML_VALUE = st.one_of(
             '"0,74"',
             "[]",
             "[1]",
-            "[3, 2]",
+            "[3,2]",
         ]
     ),
     st.sampled_from(
@@ -87,7 +89,7 @@ TOML_VALUE = st.one_of(
     AXIS.map(lambda text: '"' + text.replace("\\", "").replace('"', "") + '"'),
 )
 TABLE = st.sampled_from(
-    ["[scene]", "[map]", "[Scene]", "[sweep]", "[[scene]]", "[scene.map]", "", "[scene", "[]"]
+    ["", *["[scene]", "[map]", "[Scene]", "[sweep]", "[[scene]]", "[scene.map]", "[scene", "[]"]]
 )
 SECTION = st.tuples(TABLE, st.lists(st.tuples(KEY, TOML_VALUE), max_size=5)).map(
     lambda section: "\n".join([section[0], *(f"{key} = {value}" for key, value in section[1])])
@@ -103,20 +105,12 @@ def exactly(name: str) -> settings:
 
 DIGITS = st.sampled_from(
     [
-        "9" * 400,
-        "9" * 5000,
-        "-" + "9" * 5000,
-        "0." + "3" * 400,
-        "0." + "3" * 5000,
-        "1" + "0" * 308,
-        "1e" + "9" * 5000,
-        "0x" + "f" * 5000,
-        "0b" + "1" * 5000,
-        "1_" * 3000 + "1",
-        "0" * 3000 + "1",
-        "." + "0" * 500 + "1",
+        *(f"{sign}{'9' * 5000}" for sign in ("", "-", "1e")),
+        *(f"0.{'3' * count}" for count in (400, 5000)),
+        *(f"{base}{'1' * 5000}" for base in ("0x", "0b")),
+        "9" * 400, "1" + "0" * 308, "1_" * 3000 + "1", "0" * 3000 + "1", "." + "0" * 500 + "1",
     ]
-)
+)  # fmt: skip
 EXTREME = st.one_of(
     st.floats(width=64).map(repr),
     st.sampled_from(

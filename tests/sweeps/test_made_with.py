@@ -55,13 +55,3 @@ def test_what_results_depend_on_stands_before_those_of_flights(
     assert list(on_request) == asked
     np.testing.assert_array_equal(on_request["trough_length_mm"], given.get("trough_length_mm", np.nan))
     np.testing.assert_array_equal(np.unique(on_request["restitution"]), given.get("restitution", 0.0))
-
-
-def test_a_motion_has_its_restitution_unless_it_carries_a_clamped_part(tmp_path: Path) -> None:
-    scene = tmp_path / "scene.toml"
-    moved = "\n[motion]\nalong_steps = [[0.8, 2.4], [0.2, -9.6]]\n"
-    point = "[scene]\nfrequency_hz = 5\nstatic_friction = 0.3\nkinetic_friction = 0.2\nrestitution = 0.5\n"
-    scene.write_text(point + moved, encoding="utf-8")
-    assert vibro.sweep(scene).to_frame()["restitution"].unique().tolist() == [0.5]
-    scene.write_text(f"{point}normal_acceleration_m_s2 = 5\n{moved}", encoding="utf-8")
-    assert "restitution" not in vibro.sweep(scene).to_frame()

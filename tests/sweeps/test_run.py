@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import tracemalloc
 
 import numpy as np
 import pytest
@@ -12,9 +11,8 @@ from helpers.scenes import NUT_POINT
 import vibro.sweeps.run
 from vibro.axes import parse_axis
 from vibro.quantities import QUANTITIES
-from vibro.results.sweep import where_motion_begins
 from vibro.sweeps.grid import Grid
-from vibro.sweeps.run import limits_of, sweep_blocks, sweep_picture
+from vibro.sweeps.run import sweep_blocks, sweep_picture
 
 
 def grid_of(**texts: str) -> Grid:
@@ -88,21 +86,3 @@ def test_a_picture_of_curves_keeps_the_values_of_the_list() -> None:
     result = sweep_picture(grid, {"frequency": (0, 1, 2), "drive_angle": (1,)}, None, "")
     assert result.axes["frequency"].values.tolist() == [10, 12.5, 16]
     assert 2_000 > result.shape[0] > 500
-
-
-def test_where_motion_begins_takes_no_memory_for_every_cell() -> None:
-    grid = grid_of(
-        amplitude="0.001:0.01:300", frequency="5:10:300", static_friction="0.6:0.9:4", restitution="0.1:0.3:2"
-    )
-    tracemalloc.start()
-    try:
-        said = where_motion_begins(grid.axes, grid.fixed, limits_of(grid.values()))
-        _, peak = tracemalloc.get_traced_memory()
-    finally:
-        tracemalloc.stop()
-    assert peak < grid.size  # [B]
-    # at the least friction: the cell that is nearest
-    least = grid_of(amplitude="0.009,0.01", static_friction="0.6,0.9")
-    least.fixed["frequency"] = 10.0  # type: ignore[index]
-    assert said == where_motion_begins(least.axes, least.fixed, limits_of(least.values()))
-    assert said.startswith("at rest everywhere: motion begins at ")
