@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from engines.exact_walk import Drive, walk
+from engines.steps_walk import Drive, walk
 from helpers.draws import draws
 
 import vibro

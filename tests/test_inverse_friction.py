@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from engines import harmonic_walk, step_walk, two_axis_walk
+from engines import harmonic_walk, steps_walk, two_axis_walk
 from helpers.cases import each
 from helpers.draws import draws
 
@@ -112,8 +112,8 @@ def steps(random: np.random.Generator) -> tuple[Scene, Speed]:
 
     def speed(mu_s: float, mu_d: float) -> float:
         weight = GRAVITY * math.cos(trough), GRAVITY * math.sin(trough)
-        walk = step_walk.Steps(shares.tolist(), along.tolist(), normal.tolist(), mu_s, mu_d, *weight, 0.2)
-        return step_walk.displacement(walk) / 0.2
+        levels = list(zip(shares.tolist(), along.tolist(), normal.tolist(), strict=True))
+        return steps_walk.displacement(steps_walk.Drive(levels, mu_s, mu_d, *weight, 0.2)) / 0.2
 
     return scene, speed
 

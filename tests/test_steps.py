@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from engines.step_walk import Steps, displacement
+from engines.steps_walk import Drive, displacement
 
 from vibro import Motion, Scene, Status, solve
 
@@ -45,7 +45,7 @@ def test_a_body_that_never_rests_takes_no_notice_of_the_scale() -> None:
 
 
 def two_levels_without_rest() -> float:
-    found = displacement(Steps([0.8, 0.2], [7.2, -28.8], [0.0, 0.0], 0.3, 0.25, GRAVITY, 0.0, 0.4))
+    found = displacement(Drive([(0.8, 7.2, 0.0), (0.2, -28.8, 0.0)], 0.3, 0.25, GRAVITY, 0.0, 0.4))
     return found / 0.4
 
 
@@ -54,8 +54,8 @@ def random_steps(seed: int, count: int) -> Any:
     for _ in range(count):
         size = int(rng.integers(2, 7))
         shares = rng.dirichlet(np.ones(size))
-        along, normal = rng.normal(0.0, rng.uniform(1.0, 9.0), size), rng.normal(0.0, 2.0, size)
-        along, normal = (a - (shares * a).sum() for a in (along, normal * rng.integers(0, 2)))
+        sizes = rng.uniform(1.0, 9.0), rng.choice([0.0, 2.0, 15.0])
+        along, normal = (a - (shares * a).sum() for a in rng.normal(0.0, sizes, (size, 2)).T)
         mu_s = rng.uniform(0.1, 0.7)
         mu_d = mu_s * rng.uniform(0.3, 1.0)
         angle = math.atan(mu_d) * rng.uniform(-0.6, 0.6) * rng.integers(0, 2)
@@ -63,12 +63,12 @@ def random_steps(seed: int, count: int) -> Any:
 
 
 def test_random_steps_agree_with_a_walk_of_uniform_accelerations() -> None:
-    compared, slid = 0, 0
+    """In contact and with flights."""
+    compared, slid, hopped = 0, 0, 0
     for shares, along, normal, mu_s, mu_d, angle, frequency in random_steps(4, 400):
         weights = GRAVITY * math.cos(angle), GRAVITY * math.sin(angle)
-        walked = displacement(
-            Steps(list(shares), list(along), list(normal), mu_s, mu_d, *weights, 1.0 / frequency)
-        )
+        levels = [(float(s), float(a), float(n)) for s, a, n in zip(shares, along, normal, strict=True)]
+        walked = displacement(Drive(levels, mu_s, mu_d, *weights, 1.0 / frequency))
         motion = Motion.steps(list(zip(shares, along, strict=True)), list(zip(shares, normal, strict=True)))
         scene = Scene(
             motion=motion,
@@ -84,8 +84,10 @@ def test_random_steps_agree_with_a_walk_of_uniform_accelerations() -> None:
         assert abs(cycle.displacement_per_cycle - walked) <= 1e-12 * size
         compared += 1
         slid += walked != 0.0
+        hopped += "H" in str(cycle.pattern)
     assert compared >= 300
     assert slid >= 200
+    assert hopped >= 30
 
 
 def test_a_clamped_part_climbs_a_vertical_trough() -> None:
@@ -94,7 +96,7 @@ def test_a_clamped_part_climbs_a_vertical_trough() -> None:
     motion = Motion.steps([(0.8, 1.5), (0.2, -6.0)])
     given: dict[str, Any] = {"motion_scale": 1.5, "normal_acceleration": normal, "trough_angle": math.pi / 2}
     cycle = solve(Scene(motion=motion, **(REST | given | {"frequency": 5.0})))
-    walked = displacement(Steps([0.8, 0.2], [2.25, -9.0], [0.0, 0.0], 0.3, 0.25, normal, GRAVITY, 0.2))
+    walked = displacement(Drive([(0.8, 2.25, 0.0), (0.2, -9.0, 0.0)], 0.3, 0.25, normal, GRAVITY, 0.2))
     assert cycle.displacement_per_cycle == pytest.approx(walked, rel=1e-12)
     assert cycle.throw_number == 0.0
     assert cycle.status == Status.OK

@@ -9,7 +9,6 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
-from helpers.cases import each
 from helpers.periodic_tables import least_rotation
 from helpers.waves import (
     coefficients_of,
@@ -24,11 +23,10 @@ from helpers.waves import (
 import vibro
 from vibro.core.cells import forget_nodes, largest
 from vibro.core.codes import Mode
-from vibro.core.drive import Loads, directions, ellipse_loads, line_loads, wave_loads
+from vibro.core.drive import Loads, wave_loads
 from vibro.core.legs import (
     Forcing,
     WaveSlide,
-    contact_leg,
     forcing,
     mode_of,
     slide_from_speed,
@@ -39,36 +37,6 @@ from vibro.core.waves import KINETIC_BACK, KINETIC_FORWARD, Mix
 
 TURN = 2.0 * math.pi
 EPS = 2.0**-52
-
-
-def _line(drive: float, weight: float, static: float, kinetic: float, trough: float = 0.0) -> Loads:
-    return line_loads(weight, directions(math.radians(drive), math.radians(trough)), static, kinetic)
-
-
-def _ellipse(
-    normal: float, phase: float, weight: float, static: float, kinetic: float, trough: float = 0.0
-) -> Loads:
-    angles = directions(phase, math.radians(trough))
-    return ellipse_loads(1.0, normal, weight, angles, static, kinetic)
-
-
-SCENES = [
-    _line(20.0, 0.8, 0.5, 0.4),
-    _line(35.0, 0.9, 0.6, 0.3, -8.0),
-    _line(80.0, 1.1, 0.9, 0.7, 3.0),  # pressed down more than pushed
-    _ellipse(0.4, -1.4, 0.7, 0.5, 0.35),
-    _ellipse(0.7, 2.1, 0.9, 0.8, 0.6, 5.0),
-]
-
-
-def _tangential(loads: Loads, phase: float) -> float:
-    """F of Eq. (54), at a phase of the normal motion."""
-    phi = math.atan2(loads.phase_sine, loads.phase_cosine)
-    return loads.drive_tangential * math.sin(phase - phi) - loads.weight_tangential
-
-
-def _normal(loads: Loads, phase: float) -> float:
-    return loads.weight_normal - loads.drive_normal * math.sin(phase)
 
 
 # ---------------------------------------------------------------------------------- slides from any speed
@@ -200,37 +168,6 @@ def test_at_zero_velocity_the_loads_decide_and_equality_is_rest() -> None:
     assert mode_of(loads, half - 1e-12, 0.0, 0.4) == Mode.FORWARD
     assert mode_of(loads, 0.5 * math.pi, -1e-300, loads.static_friction) == Mode.BACK
     assert mode_of(loads, -0.5 * math.pi, 1e-300, loads.static_friction) == Mode.FORWARD
-
-
-@each("loads", SCENES)
-@each(("mode", "way"), [(Mode.FORWARD, 1.0), (Mode.BACK, -1.0)])
-@each("limit", [0.4, 3.0, math.inf])
-def test_a_slide_obeys_newtons_second_law(loads: Loads, mode: Mode, way: float, limit: float) -> None:
-    track, phase, velocity = track_of(loads, 0.0), 2.3, way * 0.6
-    leg = contact_leg(track, mode, phase, velocity, limit)
-    assert leg.settled
-    # Gauss-Legendre quadrature of Eq. (2): velocity, displacement and normal impulse
-    nodes, weights = np.polynomial.legendre.leggauss(40)
-    s, w = 0.5 * leg.length * (nodes + 1.0), 0.5 * leg.length * weights
-    force = np.array([_tangential(loads, phase + x) for x in s.tolist()])
-    normal = np.array([_normal(loads, phase + x) for x in s.tolist()])
-    acceleration = force - way * loads.kinetic_friction * normal
-    assert leg.velocity == pytest.approx(velocity + (w * acceleration).sum(), abs=1e-12)
-    path = velocity * leg.length + (w * (leg.length - s) * acceleration).sum()
-    assert leg.displacement == pytest.approx(path, abs=1e-12)
-    assert leg.impulse == pytest.approx(way * (w * normal).sum(), abs=1e-12)
-    assert leg.top >= abs(velocity)
-    if leg.length == limit:
-        assert (leg.next_mode, leg.gain) == (mode, 1.0)
-    else:
-        assert leg.velocity == 0.0
-        load, normal_end = _tangential(loads, phase + leg.length), _normal(loads, phase + leg.length)
-        if -way * load > loads.static_friction * normal_end:
-            friction = loads.kinetic_friction * normal_end
-            assert leg.next_mode == (Mode.BACK if way > 0.0 else Mode.FORWARD)
-            assert leg.gain == pytest.approx((-way * load - friction) / (-way * load + friction))
-        else:
-            assert (leg.next_mode, leg.gain) == (Mode.REST, 0.0)
 
 
 # ------------------------------------------------------------------------------
