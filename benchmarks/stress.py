@@ -261,28 +261,6 @@ def _error(values: tuple[float, ...], displacement: float, exact: Any, best: flo
     return float(error / (EPS * (exact_sensitivity(values) + size)))
 
 
-def time_wild(count: int, seed: int) -> None:
-    """Time scenes over 24 decades of amplitude and frequency, half of them with throw numbers up to 1e6."""
-    rng = np.random.default_rng(seed)
-    alpha, mu_s = rng.uniform(0.01, 1.5, count), rng.uniform(0.05, 1.5, count)
-    frequency = 15.0 * 10.0 ** rng.uniform(-12.0, 12.0, count)
-    throw = 10.0 ** rng.uniform(0.0, 6.0, count)
-    thrown = throw / np.sin(alpha) * 9.81 / (2.0 * np.pi * frequency) ** 2
-    scene = vibro.Scene(
-        amplitude=np.where(rng.random(count) < 0.5, thrown, 1e-3 * 10.0 ** rng.uniform(-12.0, 12.0, count)),
-        frequency=frequency,
-        drive_angle=alpha,
-        static_friction=mu_s,
-        kinetic_friction=mu_s * rng.uniform(0.0, 1.0, count),
-        restitution=np.where(rng.random(count) < 0.8, 0.0, rng.uniform(0.0, 1.0, count)),
-    )
-    start = time.perf_counter()
-    cycle = vibro.solve(scene)
-    print(f"{count} wild scenes: {time.perf_counter() - start:.1f} s")
-    for status, number in zip(*np.unique(cycle.status, return_counts=True), strict=True):
-        print(f"  {vibro.Status(int(status)).label:22s}{number:8d}")
-
-
 class Corners(NamedTuple):
     """What solving the corners of one kind of drive has found."""
 
@@ -333,11 +311,7 @@ def main() -> None:
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--corners", nargs="*", default=KINDS, metavar="DRIVE", help=", ".join(KINDS))
-    parser.add_argument("--wild", type=int, default=0, help="scenes of any size that are timed, and no more")
     arguments = parser.parse_args()
-    if arguments.wild:
-        time_wild(arguments.wild, arguments.seed)
-        return
 
     at_corners = print_corners(arguments.corners)
     start = time.perf_counter()

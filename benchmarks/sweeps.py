@@ -1,7 +1,6 @@
 """Measure what it costs to write a sweep, and to read it, beside solving it.
 
 Usage: python benchmarks/sweeps.py [--cells 1e7] [--repeats 3] [--flight] [--in FOLDER]
-       python benchmarks/sweeps.py --encodings
 
 The grid is that of examples/wide_sweep.toml, with as many amplitudes as make the cells; bodies are followed
 through flight with --flight alone. Each way to write it runs in a process of its own, in turn with
@@ -10,14 +9,13 @@ the CPU time of all processes divided by that of solving, the start of workers l
 of the repeats. What is read is a tenth of the cells, too; those times are divided by that of
 ``pandas.read_parquet``.
 
-With --encodings ways to write a shard, and to solve its cells, are compared. Linux alone.
+Linux alone.
 """
 
 from __future__ import annotations
 
 import argparse
 import importlib.util
-import io
 import json
 import math
 import os
@@ -28,23 +26,19 @@ import sys
 import tempfile
 import time
 from contextlib import contextmanager
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
-from unittest.mock import patch
 
 from vibro.axes import parse_axis
 from vibro.files.csv_tables import CsvFormat
-from vibro.quantities import BY_COLUMN, DEFAULTS, QUANTITIES
-from vibro.results.sweep import Block
-from vibro.sweeps.columns import Table, arrow_table, columns_of
+from vibro.quantities import DEFAULTS, QUANTITIES
+from vibro.sweeps.columns import Table, columns_of
 from vibro.sweeps.grid import Grid
-from vibro.tables import shards
 from vibro.tables.plan import Plan
 from vibro.tables.sinks import csv_sink, write_table
 from vibro.tables.stored import open_sweep
 from vibro.tables.writing import write_folder
-from vibro.threads import BLOCK, cores
+from vibro.threads import cores
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -225,64 +219,6 @@ def compare_readers(cells: float, repeats: int, flight: bool, place: Path) -> No
     shutil.rmtree(folder)
 
 
-# How a shard is written, and its cells are solved.
-
-
-def encodings(repeats: int) -> None:
-    from pyarrow import parquet
-
-    grid = grid_of(1e7)
-    columns = table_of(grid).columns
-    tables = [
-        arrow_table(columns, Block(*grid.solve_cells(i, i + BLOCK, 1), LENGTH))
-        for i in range(0, grid.size - BLOCK, grid.size // 6)
-    ]
-    usual = shards._encoding(tables[0].schema)
-    inputs = [column.name for column in columns if column.name in BY_COLUMN]
-    numbers = [column.name for column in columns if column.is_number]
-    changes: dict[str, dict[str, Any]] = {
-        "as it is": {},
-        **{f"zstd {level}": {"compression": "zstd", "compression_level": level} for level in (-5, -1, 1, 3)},
-        "Snappy": {"compression": "snappy"},
-        "not compressed": {"compression": "none"},
-        "bytes never split": {"use_byte_stream_split": False},
-        "bytes of inputs split too": {"use_byte_stream_split": numbers},
-        "inputs by dictionaries": {"use_dictionary": [*usual["use_dictionary"], *inputs]},
-        "statistics of all columns": {"write_statistics": True},
-        "no checksums of pages": {"write_page_checksum": False},
-        "1024 cells at once": {"write_batch_size": 1024},
-    }
-
-    def encode(change: dict[str, Any]) -> int:
-        file = io.BytesIO()
-        with parquet.ParquetWriter(file, tables[0].schema, **{**usual, **change}) as writer:
-            for table in tables:
-                writer.write_table(table, BLOCK)
-            writer.close()
-            return file.tell()
-
-    cells = BLOCK * len(tables)
-    spent = best_of(repeats, {name: partial(encode, change) for name, change in changes.items()})
-    print(f"{'how a shard is written':28}  {'ns/cell':>7}  {'bytes/cell':>10}")
-    for name, change in changes.items():
-        print(f"{name:28}  {1e9 * spent[name] / cells:7.1f}  {encode(change) / cells:10.2f}")
-
-    print(f"\n{'cells in a row, solved':28}  {'as cells':>8}  {'as rows':>8}  ns/cell")
-    for length in (25, 60, 250, 1000, 4000):
-        line = grid_of(1e7, axes={"drive_angle": "10:40:4000", "static_friction": f"0.2:0.98:{length}"})
-        line = Grid(line.axes, {**line.fixed, "frequency": 20.0, "friction_ratio": 0.8}, LENGTH, flight=False)
-        start = line.size // 4 + 77
-        ways = {"cells": 1e9, "rows": 1}
-
-        def solve(least: float, line: Grid = line, start: int = start) -> None:
-            with patch("vibro.sweeps.grid._LEAST_ROW", least):
-                line.solve_cells(start, start + BLOCK, 1)
-
-        spent = best_of(3 * repeats, {name: partial(solve, least) for name, least in ways.items()})
-        a, b = (1e9 * spent[name] / BLOCK for name in ways)
-        print(f"{f'rows of {length}':28}  {a:8.1f}  {b:8.1f}")
-
-
 def best_of(
     repeats: int, runs: dict[str, Callable[[], Any]], clock: Callable[[], float] = time.thread_time
 ) -> dict[str, float]:
@@ -301,13 +237,9 @@ def main() -> None:
     parser.add_argument("--cells", type=float, default=1e7)
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--flight", action="store_true", help="follow bodies through flight")
-    parser.add_argument("--encodings", action="store_true", help="ways to write a shard, and nothing else")
     parser.add_argument("--in", dest="place", type=Path, help="where there is room; a folder of the system")
     parser.add_argument("--way", choices=WAYS, help="measure one in this process, and print JSON")
     arguments = parser.parse_args()
-    if arguments.encodings:
-        encodings(5 * arguments.repeats)
-        return
     with tempfile.TemporaryDirectory(dir=arguments.place) as name:
         measured = arguments.cells, arguments.repeats, arguments.flight, Path(name)
         if arguments.way:

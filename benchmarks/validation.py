@@ -1,25 +1,21 @@
 """Does the model convey as a laboratory measured? Parts clamped on a vibrating finger (theory/validation).
 
-Usage: python benchmarks/validation.py                            mean cycles of the trials, and the runs
-       python benchmarks/validation.py --records FOLDER           the whole records of the trials too
-       python benchmarks/validation.py --records FOLDER --write   make the table of mean cycles anew
-       python benchmarks/validation.py --runs FOLDER              make the table of runs anew
-       python benchmarks/validation.py --add TABLE.csv            compare somebody's measured speeds
+Usage: python benchmarks/validation.py                   mean cycles of the trials, and the runs
+       python benchmarks/validation.py --add TABLE.csv   compare somebody's measured speeds
 
 Trials: C. L. Yako, J. Nowak, S. Yuan, K. Salisbury, "Vertical Vibratory Transport of Grasped Parts Using
 Impacts", arXiv:2502.05693 (2025). A finger moves up slowly and is knocked down by impacts; a part pressed on
-it by a constant force climbs. Ten records of both, 960 positions a second. They are public without a licence,
-so that FOLDER is ``matlab/data`` of a clone of
-https://github.com/clyako/vertical-vibratory-transport-of-grasped-parts-using-impacts, and
-``data/grasped_part.csv`` holds what was measured: of each trial the normal force over the part's weight, the
-velocity of the finger over one mean cycle, and the part's advance a cycle. Friction is as measured,
-nothing is fitted.
+it by a constant force climbs. Ten records of both, 960 positions a second. They are public without a licence
+(https://github.com/clyako/vertical-vibratory-transport-of-grasped-parts-using-impacts, ``matlab/data``), so
+that ``data/grasped_part.csv`` holds what was measured: of each trial the normal force over the part's weight,
+the velocity of the finger over one cycle, the mean of the last whole ones, and the part's advance a cycle.
+Friction is as measured, nothing is fitted.
 
 Runs: C. L. Yako, S. Yuan, K. Salisbury, "Two Degree-of-Freedom Vibratory Transport in a Grasp",
 arXiv:2605.30780 (2026). A finger under control of its position rises gently and drops fast. The records are
-public without a licence: FOLDER is ``python/data`` of a clone of
-https://github.com/clyako/2-DoF-vibrational-transport, and ``data/clamped_runs.csv`` holds what was commanded
-(frequency, both accelerations) and measured (normal force, how often the motion repeats, the part's speed).
+public without a licence (https://github.com/clyako/2-DoF-vibrational-transport, ``python/data``), so that
+``data/clamped_runs.csv`` holds what was commanded (frequency, both accelerations) and measured (normal force,
+how often the motion repeats, the part's speed between marks at 5.056 and 10.644 mm, as the authors take it).
 """
 
 from __future__ import annotations
@@ -27,14 +23,12 @@ from __future__ import annotations
 import argparse
 import csv
 import math
-import re
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
-from scipy.signal import find_peaks
 
 import vibro
 from vibro.errors import InputError, Problems, VibroError
@@ -46,40 +40,17 @@ Floats = NDArray[np.float64]
 TABLE: Final = Path(__file__).parent / "data" / "grasped_part.csv"
 FRICTION = STATIC_FRICTION, KINETIC_FRICTION = 0.72, 0.59  # as the authors' scripts have them
 GRAVITY: Final = 9.81  # [m/s^2], in theirs too
-SAMPLING: Final = 960.0  # [1/s]
 STEPS: Final = 8  # [1] steps of acceleration a sample, along a cubic spline of the finger's velocity
 FORCE_ERRORS: Final = (0.8, 1.0, 1.2)  # [1] times the measured normal force
-FIRST, LAST = 3, -2  # rows between which the authors read their records: velocities are missing at both ends
 WALKED_CYCLES: Final = 400
-CLOSING: Final = 0.1  # [s] after a record, in which the finger comes back to its first velocity
 MM: Final = 1e-3
-COLUMNS: Final = (
-    "trial", "cycles", "normal_force_weights", "period_ms", "advance_mm", "advance_error_mm", "finger_mm_s",
-)  # fmt: skip
 
-# Normal force over the part's weight [1], as the authors' scripts list it.
-NORMAL_FORCES: Final = (11.089, 16.901, 5.278, 5.278, 5.278, 5.278, 5.278, 5.278, 5.278, 22.841)
-# The authors' own fit to the same records, from the same scripts: kinetic friction, and normal forces.
-FITTED_FRICTION: Final = 0.6234
-FITTED_FORCES: Final = (10.65, 13.0009, 9.9833, 6.7872, 6.0413, 7.0798, 6.2765, 6.618, 7.1825, 8.2225)
-# When the finger has begun to repeat itself [s], and about how often it does [1/s]: read off the records.
-REPEATS: Final = (
-    (0.045, 9.8), (0.09, 9.7), (0.07, 9.7), (0.06, 20.3), (0.025, 50.8),
-    (0.15, 30.0), (0.02, 9.6), (0.06, 20.8), (0.06, 20.8), (0.065, 20.8),
-)  # fmt: skip
 
 # The 67 runs.
 RUNS: Final = TABLE.with_name("clamped_runs.csv")
-RUN_COLUMNS: Final = (
-    "frequency_hz", "rise_g", "drop_g", "normal_force_n", "repeats_hz", "cycles", "mean_velocity_mm_s",
-    "mean_velocity_error_mm_s",
-)  # fmt: skip
 MASS: Final = 0.358  # [kg] of the part, in the script that computes the waveform
 # Static and kinetic friction: in that script, and as the authors' page has it, from later tests.
 SCRIPT_FRICTION, PAGE_FRICTION = (0.22, 0.19), (0.44, 0.34)
-# From the authors' script: how far the part jumps down between runs, and marks between which its speed is
-# taken [mm]; samples between peaks at least.
-JUMP, MARKS, APART = 1.0, (5.056, 10.644), 100
 
 # Columns of a table of measured speeds that are no input of a scene, and those that it must have.
 TOLD: Final = ("mean_velocity", "velocity", "mean_speed", "speed", "error", "source")
@@ -137,16 +108,6 @@ class Run(NamedTuple):
     cycles: float
     speed: float
     error: float
-
-
-class Record(NamedTuple):
-    """Times [s], positions [m] of finger and part from their first on, and velocities [m/s]."""
-
-    time: Floats
-    finger: Floats
-    part: Floats
-    finger_velocity: Floats
-    part_velocity: Floats
 
 
 def walk(velocity: Floats, step: ArrayLike, static: float, kinetic: float, start: float = 0.0) -> Floats:
@@ -211,53 +172,6 @@ def fine(finger: Floats) -> Floats:
     return out
 
 
-def read_record(folder: Path, number: int) -> Record:
-    """Read what the authors use of a record; they write what is missing as a byte that is no number."""
-    with (folder / f"Trial #{number}.csv").open(encoding="latin-1", newline="") as file:
-        rows = list(csv.DictReader(file))[FIRST:LAST]
-    time, finger, part, finger_velocity, part_velocity = (
-        np.array([float(row[name]) for row in rows]) for name in ("t", "zp", "zo", "vzp", "vzo")
-    )
-    return Record(
-        time - time[0],
-        (finger - finger[0]) * MM,
-        (part - part[0]) * MM,
-        finger_velocity * MM,
-        part_velocity * MM,
-    )
-
-
-def mean_cycle(record: Record, number: int) -> Trial:
-    """Average the last whole cycles, with the period after which the finger's velocity differs least."""
-    begin, frequency = REPEATS[number - 1]
-    time, velocity = record.time, CubicSpline(record.time, record.finger_velocity)
-
-    def change(period: float) -> float:
-        here = time[(time >= begin) & (time + period <= time[-1])]
-        return float(np.mean((velocity(here + period) - velocity(here)) ** 2))
-
-    period = min(np.linspace(0.95, 1.05, 401) / frequency, key=change)
-    cycles = int((time[-1] - begin) / period)
-    ends = time[-1] - period * np.arange(cycles, -1, -1)
-    advances = np.diff(np.interp(ends, time, record.part - record.finger))
-    count = round(period * SAMPLING)
-    finger = velocity(ends[:-1, np.newaxis] + period * np.arange(count) / count).mean(axis=0)
-    error = float(np.std(advances, ddof=1)) / math.sqrt(cycles) if cycles > 1 else math.nan
-    return Trial(
-        number, cycles, NORMAL_FORCES[number - 1], float(period), float(np.mean(advances)), error, finger
-    )
-
-
-def write_table(trials: list[Trial]) -> None:
-    with TABLE.open("w", newline="") as file:
-        out = csv.writer(file, lineterminator="\n")
-        out.writerow(COLUMNS)
-        for trial in trials:
-            number, cycles, force, period, advance, error, finger = trial
-            numbers = f"{period / MM:.3f}", f"{advance / MM:.4f}", f"{error / MM:.4f}"
-            out.writerow([number, cycles, force, *numbers, " ".join(f"{v / MM:.1f}" for v in finger)])
-
-
 def read_table() -> list[Trial]:
     with TABLE.open(newline="") as file:
         return [
@@ -307,16 +221,6 @@ def walked_advances(trial: Trial) -> Floats:
     return np.array([walked_advance(velocity, steps, FRICTION, x * trial.force) for x in FORCE_ERRORS])
 
 
-def computed_places(velocity: Floats, step: float, kinetic: float, force: float, start: float) -> Floats:
-    """Position of the part relative to the finger at the ends of the steps of a whole record [m]."""
-    changes = np.append(np.diff(velocity), velocity[0] - velocity[-1])
-    durations = np.append(np.full(velocity.size - 1, step), CLOSING)
-    end = step * (velocity.size - 1)
-    scene = clamped(durations, changes, (STATIC_FRICTION, kinetic), force)
-    history = vibro.simulate(scene, duration=end, start_velocity=start)
-    return history.sample(np.linspace(0.0, history.end, velocity.size)).position
-
-
 def compare_cycles(trials: list[Trial]) -> None:
     print(
         "One mean cycle; advance of the part on the finger a cycle [mm], computed for 0.8, 1, 1.2 times the"
@@ -352,74 +256,6 @@ def compare_cycles(trials: list[Trial]) -> None:
     print(f"measured lies between the computed ones in trials {near}")
     apart = np.abs(found - [walked_advances(trial) for trial in trials]).max() / MM
     print(f"largest difference from the witness, of {found.size} advances: {apart:.1e} mm")
-
-
-def compare_records(records: list[Record]) -> None:
-    print("\nWhole records; mean |computed - measured position| of the part [mm], as the authors define it:")
-    apart = 0.0
-    for name, kinetic, forces, steps in (
-        ("as measured, velocity linear between samples", KINETIC_FRICTION, NORMAL_FORCES, 1),
-        ("as measured, spline of the velocity", KINETIC_FRICTION, NORMAL_FORCES, STEPS),
-        ("the authors' fit, velocity linear", FITTED_FRICTION, FITTED_FORCES, 1),
-        ("the authors' fit, spline of the velocity", FITTED_FRICTION, FITTED_FORCES, STEPS),
-    ):
-        errors, largest, wrong = np.empty(len(records)), np.empty(len(records)), []
-        for i, (record, force) in enumerate(zip(records, forces, strict=True)):
-            step = record.time[-1] / (record.time.size - 1) / steps
-            times = step * np.arange(steps * (record.time.size - 1) + 1)
-            splined = steps > 1
-            velocity = (
-                CubicSpline(record.time, record.finger_velocity)(times) if splined else record.finger_velocity
-            )
-            push, start = force * GRAVITY, record.part_velocity[0] - record.finger_velocity[0]
-            places = computed_places(velocity, step, kinetic, force, start)
-            walked = walk(velocity, step, STATIC_FRICTION * push, kinetic * push, start)
-            apart = max(apart, float(np.abs(places - walked).max()))
-            part = record.finger + places[::steps]
-            errors[i], largest[i] = np.mean(np.abs(part - record.part)) / MM, np.max(np.abs(record.part)) / MM
-            wrong += [str(i + 1)] * bool(part[-1] * record.part[-1] <= 0.0)
-        share = 100.0 * errors / largest
-        print(
-            f"{name}: mean {errors.mean():.3f}; of the largest position: mean {share.mean():.1f} %,", end=" "
-        )
-        print(f"median {np.median(share):.1f} %; wrong side at the end: {', '.join(wrong) or 'none'}")
-        print("   trial by trial:", *(f"{error:.2f}" for error in errors))
-    print(f"largest difference from the witness at any time: {apart / MM:.1e} mm")
-
-
-def read_runs(folder: Path) -> list[Run]:
-    """Cut the records of the runs and take their speeds as the authors' script does.
-
-    Only parts that pass both marks count; the parts of the record at 0.2 g do not.
-    """
-    runs = []
-    for path in sorted(folder.rglob("frequency_*_amin_*_amax_*.csv")):
-        frequency, rise, drop = map(float, re.findall(r"\d[\d.]*", path.stem))
-        stamp, place, _, force = np.loadtxt(path, delimiter=",", skiprows=1, unpack=True)
-        begins = np.flatnonzero(np.diff(place) < -JUMP) + 1
-        columns = (np.split(column, begins) for column in (stamp * 1e-6, place, force))
-        for time, x, push in zip(*columns, strict=True):
-            if x.max() < MARKS[1]:
-                continue
-            between = slice(*(int(np.argmax(x >= mark)) for mark in MARKS))
-            time, x = time[between] - time[0], x[between]
-            peaks = find_peaks(np.append(x, MARKS[1]), distance=APART)[0]
-            speeds = np.diff(x[peaks]) / np.diff(time[peaks])
-
-            def scatter(period: float, time: Floats = time, x: Floats = x) -> float:
-                here = time[time + period <= time[-1]]
-                return float(np.std(np.interp(here + period, time, x) - np.interp(here, time, x)))
-
-            repeats = frequency / min(np.linspace(0.95, 1.1, 301), key=lambda r: scatter(r / frequency))
-            error = np.std(speeds, ddof=1) / math.sqrt(speeds.size) if speeds.size > 1 else math.nan
-            mean = float(np.mean(speeds))
-            runs.append(Run(frequency, rise, drop, -push.mean(), repeats, speeds.size, mean, float(error)))
-    return sorted(runs, key=lambda run: (-run.frequency, run.rise, run.drop, -run.force))
-
-
-def write_runs(runs: list[Run]) -> None:
-    form = ["%g", "%g", "%g", "%.2f", "%.2f", "%d", "%.3f", "%.3f"]
-    np.savetxt(RUNS, runs, form, delimiter=",", header=",".join(RUN_COLUMNS), comments="")
 
 
 def known_runs() -> list[Run]:
@@ -583,11 +419,6 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument(
-        "--records", type=Path, metavar="FOLDER", help="matlab/data of a clone of the records"
-    )
-    parser.add_argument("--write", action="store_true", help="make the table of mean cycles anew")
-    parser.add_argument("--runs", type=Path, metavar="FOLDER", help="make the table of runs anew")
     parser.add_argument("--add", type=Path, metavar="TABLE.csv", help="compare measured speeds")
     given = parser.parse_args()
     if given.add:
@@ -596,17 +427,7 @@ def main() -> None:
         except VibroError as error:
             parser.exit(1, f"{error}\n{getattr(error, 'hint', '')}\n")
         return
-    if given.runs:
-        write_runs(read_runs(given.runs))
-    if given.write and not given.records:
-        parser.error("--write needs --records FOLDER, from which the mean cycles are made")
-    numbers = range(1, len(NORMAL_FORCES) + 1)
-    records = [read_record(given.records, number) for number in numbers] if given.records else []
-    if given.write:
-        write_table([mean_cycle(record, number) for record, number in zip(records, numbers, strict=True)])
     compare_cycles(read_table())
-    if records:
-        compare_records(records)
     compare_runs(known_runs())
 
 

@@ -82,7 +82,7 @@ def test_what_the_page_says_of_all_ten() -> None:
     assert np.flatnonzero(share < 0.0).tolist() == [2]
     assert np.sum(share < 1.0) == 9
     assert f"The median miss of all ten is {100.0 * np.median(np.abs(share - 1.0)):.0f} %" in PAGE
-    assert f"the mean miss {np.mean(np.abs(found[:, 1] - measured)) / MM:.2f} mm a cycle" in PAGE
+    assert f"the mean {np.mean(np.abs(found[:, 1] - measured)) / MM:.2f} mm" in PAGE
     within = (found.min(axis=1) <= measured) & (measured <= found.max(axis=1))
     assert [trial.number for trial, near in zip(TRIALS, within, strict=True) if near] == [4, 5, 6, 7, 8]
 
@@ -157,13 +157,12 @@ def test_what_the_page_says_of_the_runs() -> None:
     )
     formula = closed_form(RUNS, SCRIPT_FRICTION)
     last = RUNS[-1]
-    assert f"without it both have {misses(computed[:-1], MEASURED[:-1]).rms:.1f}" in PAGE
     assert np.flatnonzero(computed * MEASURED < 0.0).tolist() == [66]
     assert computed[:-1] == pytest.approx(formula[:-1], rel=1e-12)
     assert f"{last.speed:.1f} ± {last.error:.1f} mm/s" in PAGE
-    assert f"The closed form\n  gives {formula[-1]:.0f}" in PAGE
-    assert f"loses {-computed[-1]:.0f} mm/s" in PAGE
-    assert f"= {SCRIPT_FRICTION[0] * last.force / MASS / GRAVITY - 1.0:.2f} g" in PAGE
+    assert f"the closed form gives {formula[-1]:.0f}" in PAGE
+    assert f"but gives {computed[-1]:.0f}:" in PAGE
+    assert f"carries {SCRIPT_FRICTION[0] * last.force / MASS / GRAVITY - 1.0:.2f} g" in PAGE
     enough, short = (computed_speeds([last._replace(force=x)], SCRIPT_FRICTION)[0] for x in (31.93, 31.92))
     assert enough == pytest.approx(58.0, abs=0.5)
     assert short < 0.0
@@ -171,17 +170,12 @@ def test_what_the_page_says_of_the_runs() -> None:
     share = 100.0 * (computed[weak] / MEASURED[weak] - 1.0)
     assert weak.sum() == 11
     assert f"by {share.min():.0f} to {share.max():.0f} %" in PAGE
-    assert f"the drop of 5 g by {misses(slower[weak], MEASURED[weak]).median:.0f} % too fast" in PAGE
     assert slower[-1] > 10.0 * MEASURED[-1]
     strong = np.array([run.drop > 5.0 and run.force > 34.0 for run in RUNS])
     assert strong.sum() == 44
-    assert (
-        f"44 runs, the median miss is {misses(computed[strong], MEASURED[strong]).median_absolute:.0f} %"
-        in PAGE
-    )
+    assert f"(44 runs) {misses(computed[strong], MEASURED[strong]).median_absolute:.0f} %" in PAGE
     resting = computed_speeds(RUNS, PAGE_FRICTION) == 0.0
     assert (resting & weak).sum() == resting.sum() == 10
-    assert f"at {MEASURED[weak].min():.1f} to {MEASURED[weak].max():.1f} mm/s" in PAGE
     frequencies = sorted({run.frequency for run in repeating(RUNS)})
     assert "{1:.2f} and {0:.2f} times a second".format(*frequencies) in PAGE
 
