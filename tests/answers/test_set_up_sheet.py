@@ -121,14 +121,6 @@ def test_rates_of_an_empty_trough_are_those_of_the_machine(tmp_path: Path) -> No
     assert "filling" not in rates
 
 
-def test_rates_of_hopping_and_resting_bodies_are_unknown(tmp_path: Path) -> None:
-    hops = sheet_of(tmp_path, feeder(), filling=2.0).record["sensitivities"]
-    assert all(math.isnan(pair["empty"]) for pair in hops.values())
-    assert hops["setting"]["full"] > 1.0
-    at_rest = sheet_of(tmp_path, feeder(), 5.0, filling=2.0).record["sensitivities"]
-    assert all(math.isnan(x) for pair in at_rest.values() for x in pair.values())
-
-
 def test_the_filling_that_brings_resonance(tmp_path: Path) -> None:
     sheet = sheet_of(tmp_path, feeder(0.9), filling=2.0)
     added = sheet.record["resonant_filling_kg"] * states(sheet)[1]["added_mass_share"]
@@ -180,15 +172,6 @@ def test_masses_that_strike(tmp_path: Path) -> None:
     assert any("unknown, as an operating point is" in note for note in sheet_answer("", sheet).notes)
 
 
-def test_shares_that_are_given_as_bands_widen_the_amplitudes(tmp_path: Path) -> None:
-    given = 'added_mass_share = "0.1:0.25"\nadded_damping_share = 0.15\n'
-    sheet = sheet_of(tmp_path, feeder(1.05, given), filling=2.0)
-    machine = sheet.request.machine.machine
-    ends = [float(machine.response(50.0, added_mass=2.0 * (m - 0.15j)).amplitude) for m in (0.25, 0.1)]
-    found = sheet.record["bounds"][0]["amplitude_mm"]
-    assert found == pytest.approx([1e3 * a for a in ends], rel=1e-9)
-
-
 def test_several_operating_points_are_all_told(tmp_path: Path) -> None:
     """Beside an onset, tests/machines/test_operating.py."""
     sheet = sheet_of(tmp_path, feeder(), 47.0, filling=2.7)
@@ -213,11 +196,3 @@ def test_the_speed_with_the_second_harmonic(tmp_path: Path) -> None:
     _, light = states(sheet_of(tmp_path, feeder(1.1), filling=0.01))
     assert light["second_harmonic_percent"] < 0.1
     assert math.isnan(light[BENT])
-
-
-def test_doubts_name_their_settings(tmp_path: Path) -> None:
-    request = asked(tmp_path, feeder(1.02), filling=(0.1, 0.1))._replace(settings=(20.0, 100.0))
-    doubts = make_sheet(request, picture=False).doubts
-    assert doubts[0].startswith("the drive is within 2 zeta")  # everywhere
-    assert any(text == "setting 100 % empty; setting 100 % with 0.1 kg: parts hop" for text in doubts)
-    assert sheet_of(tmp_path, feeder(1.1), 50.0).doubts == []

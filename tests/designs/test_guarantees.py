@@ -224,13 +224,6 @@ def test_where_a_part_runs_away_nothing_is_guaranteed() -> None:
         assert vibro.feasible_amplitudes(scene, 0.01, **bands) == []
 
 
-def test_very_steep_climbs_are_not_left_to_corners() -> None:
-    """Where mu_s tan(beta) > 1 a steeper trough may be faster."""
-    scene = scene_with(amplitude=1.25e-3, drive_angle=math.radians(22))
-    bands = {"static_friction": (2.26, 2.37), "friction_ratio": (0.53, 0.56), "trough_angle": deg(60.4, 61.5)}
-    assert_not_beaten(Boxed(scene, bands), vibro.guarantee(scene, **bands))
-
-
 def test_hopping_is_sampled() -> None:
     scene = scene_with(amplitude=4e-3)
     bands = {"static_friction": (0.5, 0.8), "friction_ratio": (0.7, 0.9)}

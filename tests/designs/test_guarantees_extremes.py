@@ -17,10 +17,8 @@ from vibro.designs.guarantees import (
     Landings,
     Seen,
     counted,
-    least_of,
     look_around,
     searched,
-    speeds_of,
     taken,
 )
 from vibro.designs.spaces import uncertainty_set
@@ -50,20 +48,6 @@ def test_speeds_count_by_their_status(status: Status, speed: float, slow: float,
     found = cycle(status=[status], mean_velocity=[speed], mean_velocity_error=[0.1])
     assert counted(found, fast=False) == pytest.approx([slow], nan_ok=True)
     assert counted(found, fast=True) == pytest.approx([fast], nan_ok=True)
-
-
-def test_the_least_speed_of_a_row_leaves_out_the_unknown() -> None:
-    rows = np.array([[NAN, 1.0, 2.0], [NAN, NAN, NAN], [3.0, -INF, NAN], [-1.0, 4.0, 0.0]])
-    assert least_of(rows).tolist() == [1.0, -INF, -INF, -1.0]
-
-
-@pytest.mark.parametrize(("highest", "beyond"), [(Regime.FORWARD_SLIP, True), (Regime.BACK_SLIP, False)])
-def test_bodies_beyond_the_highest_regime_count_as_extreme(highest: Regime, beyond: bool) -> None:
-    scene = scene_with(amplitude=2e-3)
-    assert vibro.solve(scene).regime == Regime.BACK_SLIP
-    for fast, extreme in ((False, -INF), (True, INF)):
-        speed = float(speeds_of(scene, fast=fast, flight=False, highest=highest))
-        assert speed == (extreme if beyond else float(vibro.solve(scene).mean_velocity))
 
 
 @pytest.mark.parametrize(

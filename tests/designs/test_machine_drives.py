@@ -266,40 +266,6 @@ def test_the_second_harmonic_explains_what_two_way_stepping_finds(
 
 
 @pytest.mark.usefixtures("fastest_alone")
-def test_settings_are_lowered_where_the_second_harmonic_makes_parts_hop(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    tried: list[float] = []
-
-    def met(question: Question, setting: Any) -> Met:
-        machine = question.drive.machine
-        assert machine is not None
-        share = float(question.space.amplitude(setting)) / machine.amplitude
-        tried.append(share)
-        hops = share > 0.4
-        return Met(
-            0.99,
-            1.01,
-            1,
-            speed=1.0,
-            regime=Regime.HOPPING if hops else Regime.BACK_SLIP,
-            throw_number=share / 0.4,
-        )
-
-    monkeypatch.setattr(machine_drives, "amplitudes_met", met)
-    spec = read_spec(asked(FEEDER | {"filling_kg": "0:2"}, 3.0))
-    design = design_of(find_designs(spec, goal_only=True), "fastest")
-    assert max(tried) > 0.6
-    assert design.setting_percent == pytest.approx(40.0, rel=5e-3)
-    assert design.setting_percent is not None
-    assert design.setting_percent <= 40.0
-    assert design.set_by == "hop"
-    monkeypatch.setattr(machine_drives, "amplitudes_met", lambda *_: Met(0.99, 1.01, 1, speed=0.0))
-    slow = design_of(find_designs(spec, goal_only=True), "fastest")
-    assert (slow.setting_percent, slow.set_by) == (None, "filling")
-
-
-@pytest.mark.usefixtures("fastest_alone")
 def test_given_shares_replace_those_that_are_computed() -> None:
     drive = FEEDER | {"filling_kg": 2, "added_mass_share": "0.1:0.25"}
     design = design_of(vibro.design(asked(drive, 5.0), only="goal"), "fastest")

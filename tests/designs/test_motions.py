@@ -363,23 +363,6 @@ def test_the_nearest_drive_meets_the_goal() -> None:
     assert slowest(fastest.motion_scale_needed, 1.01 * fastest.frequency_needed_hz) < 400.0
 
 
-def test_pictures_are_over_the_scale(servo: Servo) -> None:
-    spec = servo.spec
-    chosen = chosen_of(spec, servo.found)
-    assert chosen is not None
-    fields = setting_fields(spec, chosen)
-    assert fields.amplitude == "motion_scale"
-    assert fields.limits == pytest.approx((0.5, 1.5))
-    assert fields.load[0] == pytest.approx(fields.amplitudes[0] * 6.0 / 9.81, rel=1e-12)
-    at = np.interp(1.2 * 6.0 / 9.81, fields.load, fields.speed_min) / 2.0
-    assert at == pytest.approx(float(slowest(1.2, 2.0)), rel=1e-4)
-    first, last = fields.begins[Regime.FORWARD_SLIP]
-    ends = vibro.Scene(motion=STEPS, frequency=2.0, static_friction=[0.3, 0.4], kinetic_friction=0.3)
-    onset = change_loads(ends)["forward_onset"]
-    # drifts of the scale reach a load before, or after, its nominal value
-    assert (first, last) == pytest.approx((onset[0] / 1.03, onset[1] / 0.97), rel=1e-9)
-
-
 def test_the_example_is_answered_on_the_command_line(servo: Servo) -> None:
     assert re.search(
         r"scale +1\.381 \.\.\. 1\.5 keeps the goal \(below, the slowest part gets too slow", servo.output

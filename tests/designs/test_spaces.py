@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -98,18 +97,6 @@ def test_shares_of_a_band_are_exact_at_both_ends() -> None:
     assert 0.3 + below * (0.9 - 0.3) <= float(inside((0.3, 0.9), np.array(below))) <= 0.9
 
 
-def test_axes_of_a_box() -> None:
-    assert line_box().axes == (
-        "load", "drive_angle", "trough_angle", "static_friction", "second_friction", "restitution",
-    )  # fmt: skip
-    assert line_box().varies.tolist() == [True] * 6
-    narrow = line_box(shape={"drive_angle": (0.3, 0.3)}, second_friction=(0.5, 0.5))
-    assert narrow.varies.tolist() == [True, False, True, True, False, True]
-    assert narrow.in_contact.varies.tolist() == [True, False, True, True, False, False]
-    assert oval_box().axes[1:4] == ("along_amplitude", "normal_amplitude", "normal_phase")
-    assert oval_box().varies.tolist() == [True, False, True, True, True, True, True, True]
-
-
 @pytest.mark.parametrize("troughs", [(-0.3, 0.1), (-0.1, 0.3)])
 def test_the_first_body_hops_on_the_steepest_trough_with_the_steepest_drive(troughs: Any) -> None:
     expected = math.cos(0.3) / math.sin(0.4)
@@ -139,20 +126,6 @@ def test_the_corner_of_no_kinetic_friction_is_cut() -> None:
     ratio = line_box(static_friction=(0.2, 0.8), second_friction=(0.5, 0.9), is_ratio=True)
     assert ratio.static_span == (0.2, 0.8)
     assert [float(x) for x in ratio.kinetic_span(np.asarray(0.4))] == pytest.approx([0.2, 0.36])
-
-
-def test_points_lie_at_shares_of_every_band() -> None:
-    shares = np.array([[0.0, 0.5, 1.0], [1.0, 0.5, 0.0], [1.0, 0.5, 0.0], [0.0, 0.5, 1.0]])
-    shares = np.vstack([shares, shares[1], shares[0]])
-    box = line_box(static_friction=(0.2, 0.8))
-    points = box.points(shares)
-    low, high = (float(x) for x in box.load)
-    assert points.load == pytest.approx([low, 0.5 * (low + high), high])
-    assert points.shape[0] == pytest.approx([0.4, 0.35, 0.3])
-    assert points.trough_angle == pytest.approx([0.05, -0.025, -0.1])
-    assert points.static_friction == pytest.approx([0.3, 0.55, 0.8])
-    assert points.kinetic_friction == pytest.approx([0.3, 0.4, 0.3])
-    assert points.restitution == pytest.approx([0.2, 0.25, 0.3])
 
 
 @pytest.mark.parametrize("is_ratio", [False, True])
@@ -188,13 +161,3 @@ def test_one_load_is_fast_at_its_lowest_frequency_and_slow_at_its_highest(share:
         )
     speeds = [float(solve(box.scene(points, fast=fast)).mean_velocity[0]) for fast in (True, False)]
     assert abs(speeds[0]) >= abs(speeds[1]) * (1 - 1e-12)
-
-
-def test_many_boxes_have_a_row_each() -> None:
-    factors = np.array([[1e-3], [2e-3]])
-    many = line_box(factor=(factors, 1.5 * factors))
-    points = many.points(np.full((6, 2, 3), 0.25))
-    assert points.load.shape == (2, 3)
-    for row, factor in enumerate(factors[:, 0]):
-        one = replace(many, factor=(float(factor), 1.5 * float(factor)))
-        assert points.load[row].tolist() == one.points(np.full((6, 3), 0.25)).load.tolist()

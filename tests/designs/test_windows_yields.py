@@ -11,7 +11,6 @@ from helpers.scenes import replaced, scene_with
 
 import vibro
 from vibro import Regime
-from vibro.designs import windows
 from vibro.designs.spaces import uncertainty_set
 from vibro.designs.windows import _cut, _share
 from vibro.limits import critical_loads
@@ -102,23 +101,3 @@ def test_frictions_are_uniform_in_the_cut_rectangle(
     drawn = _cut(box, U, V)
     assert drawn[0] == pytest.approx(mu_s, rel=1e-12)
     assert drawn[1] == pytest.approx(mu_d, rel=1e-12)
-
-
-@pytest.mark.parametrize(("spread", "logarithm"), [(1e-5, 14), (2e-3, 16), (1.0, 20)])
-def test_points_are_doubled_until_the_error_is_small_enough(
-    spread: float, logarithm: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The scrambles spread by a share that halves with every doubling."""
-    asked = []
-
-    def one(box: Any, target: float, highest: Regime, points: int, seed: int) -> float:
-        asked.append((points, seed))
-        return 0.5 + spread * 2.0 ** (14 - points) * (-1.0) ** seed
-
-    monkeypatch.setattr(windows, "_share", one)
-    found, error = vibro.yield_share(scene_with(), 0.01, highest_regime="hopping")
-    assert found == pytest.approx(0.5)
-    assert asked == [(n, seed) for n in range(14, logarithm + 1) for seed in range(8)]
-    assert error == pytest.approx(
-        max(spread * 2.0 ** (14 - logarithm) / math.sqrt(7.0), 2.0**-17 * 2.0 ** (14 - logarithm))
-    )

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from html import escape
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 from urllib.parse import parse_qs
 
 import pytest
 from helpers.explored_scenes import FEEDER, GIVEN_DRIVES
 
 from vibro.explore.controls import BANDS, CONTROLS, DRIVES, PRESETS, VIEWS
-from vibro.explore.page import page_text
 from vibro.quantities import MACHINE, QUANTITIES
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from playwright.sync_api import Browser, Frame, Page
+    from playwright.sync_api import Frame, Page
 
 
 def put(page: Page | Frame, box: str, text: str) -> None:
@@ -174,26 +172,6 @@ def test_bands_come_back_when_kinetic_friction_follows_again(nut: Page) -> None:
     assert address(nut)["kinetic_friction_band"] == "0.513:0.627"
 
 
-def test_handles_of_a_band_do_not_pass_each_other(nut: Page) -> None:
-    nut.check("#bands")
-    nut.evaluate(
-        """() => {
-        const least = document.querySelector("[type=range][name=static_friction_band]");
-        least.value = "0.9";
-        least.dispatchEvent(new Event("input", { bubbles: true }));
-    }"""
-    )
-    assert address(nut)["static_friction_band"] == "0.9:0.9"
-    put(nut, "static_friction_band-least", "")  # then that of the point
-    assert address(nut)["static_friction_band"] == "0.74:0.9"
-    put(nut, "restitution_band-most", "0.3")
-    assert address(nut)["restitution_band"] == "0:0.3"
-    put(nut, "restitution_band-most", "")
-    assert address(nut)["restitution_band"] == "0:0"
-    nut.uncheck("#bands")
-    assert not {"static_friction_band", "restitution_band"} & address(nut).keys()
-
-
 def test_each_tab_has_a_state_of_its_own(open_page: Callable[..., Page]) -> None:
     page = open_page("", GIVEN_DRIVES["third harmonic"], FEEDER)
     assert page.locator("#tabs button").all_inner_texts() == ["scene1", "scene2"]
@@ -226,29 +204,6 @@ def test_a_link_that_cannot_be_read_shows_the_start(open_page: Callable[..., Pag
     assert page.inner_text("#refused") == ""
     again = open_page(page.evaluate("location.hash"))
     assert shown(again, "frequency_hz") == ["20"]
-
-
-def test_it_works_in_a_frame_that_refuses_addresses(browser: Browser) -> None:
-    page = browser.new_page()
-    errors: list[Any] = []
-    page.on("pageerror", lambda error: errors.append(error))
-    page.set_content(f'<iframe sandbox="allow-scripts" srcdoc="{escape(page_text())}"></iframe>')
-    frame = page.frames[1]
-    frame.wait_for_selector("#frequency_hz", state="attached")
-    before = frame.text_content("#command")
-    put(frame, "drive_angle_deg", "21")
-    assert frame.text_content("#command") != before
-    assert errors == []
-    page.close()
-
-
-def test_a_map_that_cannot_be_drawn_is_told(browser: Browser) -> None:
-    page = browser.new_page()
-    page.set_content(page_text())
-    page.wait_for_selector("#frequency_hz", state="attached")
-    page.evaluate("() => void Promise.reject(new Error('no colours'))")
-    page.wait_for_function("document.querySelector('#refused').textContent.includes('map: no colours')")
-    page.close()
 
 
 def test_paper_says_what_is_asked(nut: Page) -> None:

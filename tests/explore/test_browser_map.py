@@ -56,24 +56,6 @@ def put(page: Page, box: str, text: str) -> None:
     page.press(f"#{box}", "Tab")
 
 
-def test_cells_have_the_colours_of_their_regimes(nut: Page) -> None:
-    for u, v, regime in (
-        (0.02, 0.02, Regime.NO_SLIP),
-        (0.9, 0.9, Regime.HOPPING),
-        (0.18, 0.31, Regime.FORWARD_SLIP),
-    ):
-        assert nut.evaluate(COLOUR, [u, v]) == REGIME_COLOURS[regime]
-    names = nut.locator("#frame").evaluate("(frame) => frame.textContent")
-    for name in (
-        "no-slip",
-        "back-slip onset",
-        "hop limit",
-        "operating point: 15 Hz, 1 mm",
-        "frequency f [Hz]",
-    ):
-        assert name in names
-
-
 def test_a_hand_moves_the_operating_point(nut: Page) -> None:
     nut.mouse.click(*place(nut, 0.5, 0.5))
     assert field(nut, "frequency_hz") == pytest.approx(32.5, abs=0.2)
@@ -91,22 +73,37 @@ def test_a_hand_moves_the_operating_point(nut: Page) -> None:
     assert field(nut, "frequency_hz") == 60.0
 
 
-def test_keys_move_the_operating_point(nut: Page) -> None:
-    nut.locator("#point").focus()
-    nut.keyboard.press("ArrowRight")
-    assert field(nut, "frequency_hz") == pytest.approx(15.55)
-    nut.keyboard.press("Shift+ArrowUp")
-    assert field(nut, "amplitude_mm") == pytest.approx(1.29)
-    expect(nut.locator("#point")).to_have_attribute("aria-valuetext", "frequency 15.55 Hz, amplitude 1.29 mm")
-
-
-def test_a_tip_tells_of_the_cell_under_the_pointer(nut: Page) -> None:
+def test_cells_have_colours_and_a_tip_and_keys_move_the_point(nut: Page) -> None:
+    for u, v, regime in (
+        (0.02, 0.02, Regime.NO_SLIP),
+        (0.9, 0.9, Regime.HOPPING),
+        (0.18, 0.31, Regime.FORWARD_SLIP),
+    ):
+        assert nut.evaluate(COLOUR, [u, v]) == REGIME_COLOURS[regime]
+    names = nut.locator("#frame").evaluate("(frame) => frame.textContent")
+    for name in (
+        "no-slip",
+        "back-slip onset",
+        "hop limit",
+        "operating point: 15 Hz, 1 mm",
+        "frequency f [Hz]",
+    ):
+        assert name in names
     nut.mouse.move(*place(nut, 0.9, 0.9))
     tip = nut.locator("#tip")
     expect(tip).to_contain_text("hopping")
     expect(tip).to_contain_text("mean speed [mm/s]")
     nut.keyboard.press("Escape")
     expect(tip).to_be_hidden()
+    nut.locator("#point").focus()
+    nut.keyboard.press("ArrowRight")
+    assert field(nut, "frequency_hz") == pytest.approx(15.55)
+    nut.keyboard.press("Shift+ArrowUp")
+    assert field(nut, "amplitude_mm") == pytest.approx(1.29)
+    expect(nut.locator("#point")).to_have_attribute("aria-valuetext", "frequency 15.55 Hz, amplitude 1.29 mm")
+    nut.locator("#copy-command").click()
+    expect(nut.locator("#says")).to_have_text("selected")  # a window of tests refuses
+    assert nut.evaluate("getSelection().toString()").startswith("vibro map ")
 
 
 def test_a_map_follows_the_state(nut: Page) -> None:
@@ -163,12 +160,6 @@ def test_files_can_be_taken_along(nut: Page) -> None:
     assert points[1] == [text.replace(",", ".") for text in commas[1]]
     scene = tomllib.loads(downloaded(nut, "save-toml").read_text(encoding="utf-8"))
     assert scene["map"] == {"amplitude_mm": "0.1:3:150", "frequency_hz": "5:60:200"}
-
-
-def test_texts_can_be_copied_or_are_selected(nut: Page) -> None:
-    nut.locator("#copy-command").click()
-    expect(nut.locator("#says")).to_have_text("selected")  # a window of tests refuses
-    assert nut.evaluate("getSelection().toString()").startswith("vibro map ")
 
 
 _NO_WORKERS = (

@@ -29,59 +29,6 @@ def when(page: Page) -> str:
     return str(page.locator("#when").text_content())
 
 
-def test_the_part_moves_with_the_slider(open_motion: Callable[..., Page]) -> None:
-    page = open_motion()
-    assert when(page) == "0 ms, rest"
-    places = []
-    for share, moment in (("0.25", "50 ms, rest"), ("0.5", "100 ms, forward slide")):
-        page.locator("#moment").fill(share)
-        assert when(page) == moment
-        assert page.locator("#moment").get_attribute("aria-valuetext") == moment
-        places.append(page.evaluate(_AT))
-    assert len({*places}) == 2
-
-
-def test_it_plays_and_stands_still_again(open_motion: Callable[..., Page]) -> None:
-    page = open_motion()
-    play = page.locator("#play")
-    assert play.text_content() == "Play"
-    assert play.get_attribute("title") == "30 times slower"
-    play.click()
-    page.locator("#when", has_text="slide").wait_for()
-    assert float(page.locator("#moment").input_value()) > 0.0
-    assert play.text_content() == "Pause"
-    play.click()
-    still = when(page)
-    page.wait_for_timeout(200)
-    assert when(page) == still
-
-
-def test_who_wants_no_motion_moves_on_step_by_step(open_motion: Callable[..., Page]) -> None:
-    page = open_motion(reduced_motion="reduce")
-    play = page.locator("#play")
-    assert play.text_content() == "Step"
-    play.click()
-    assert when(page) == "3.33 ms, rest"
-    page.wait_for_timeout(200)
-    assert when(page) == "3.33 ms, rest"
-
-
-def test_panels_are_those_of_the_motion(open_motion: Callable[..., Page]) -> None:
-    page = open_motion("#amplitude_mm=4")
-    titles = page.locator("#history > svg > text[font-weight]").all_text_contents()
-    assert titles[-1] == "height above the trough [mm]"
-    assert len(titles) == 5
-    assert page.locator("#history > svg").get_attribute("aria-label") == "first 3 drive cycles from rest"
-
-
-@pytest.mark.parametrize("scene", [FEEDER, GIVEN_DRIVES["steps, clamped"], GIVEN_DRIVES["third harmonic"]])
-def test_every_drive_has_a_motion(scene: str, open_motion: Callable[..., Page]) -> None:
-    page = open_motion("", scene)
-    page.locator("#moment").fill("0.7")
-    assert " ms, " in when(page)
-    assert page.locator("#tables table").count() >= 3
-
-
 # Moves a slider, and tells, once the panels are new, whether they were still old when the numbers were new.
 _CHANGE = """() => {
   const [history, speed] = ["history", "speed"].map((id) => document.getElementById(id));
@@ -95,5 +42,58 @@ _CHANGE = """() => {
 }"""
 
 
-def test_a_hand_sees_the_motion_after_the_numbers(open_motion: Callable[..., Page]) -> None:
-    assert open_motion().evaluate(_CHANGE) == [True, True]
+def test_the_part_moves_with_the_slider_plays_and_stands_still_again(
+    open_motion: Callable[..., Page],
+) -> None:
+    page = open_motion()
+    assert when(page) == "0 ms, rest"
+    places = []
+    for share, moment in (("0.25", "50 ms, rest"), ("0.5", "100 ms, forward slide")):
+        page.locator("#moment").fill(share)
+        assert when(page) == moment
+        assert page.locator("#moment").get_attribute("aria-valuetext") == moment
+        places.append(page.evaluate(_AT))
+    assert len({*places}) == 2
+    page.locator("#moment").fill("0")
+    play = page.locator("#play")
+    assert play.text_content() == "Play"
+    assert play.get_attribute("title") == "30 times slower"
+    play.click()
+    page.locator("#when", has_text="slide").wait_for()
+    assert float(page.locator("#moment").input_value()) > 0.0
+    assert play.text_content() == "Pause"
+    play.click()
+    still = when(page)
+    page.wait_for_timeout(200)
+    assert when(page) == still
+    assert page.evaluate(_CHANGE) == [True, True]  # a hand sees the motion after the numbers
+
+
+def test_who_wants_no_motion_moves_on_step_by_step(open_motion: Callable[..., Page]) -> None:
+    page = open_motion("#amplitude_mm=4", reduced_motion="reduce")
+    play = page.locator("#play")
+    assert play.text_content() == "Step"
+    before = when(page)
+    play.click()
+    after = when(page)
+    assert after != before
+    page.wait_for_timeout(200)
+    assert when(page) == after
+    titles = page.locator("#history > svg > text[font-weight]").all_text_contents()
+    assert titles[-1] == "height above the trough [mm]"
+    assert len(titles) == 5
+
+
+def test_every_drive_has_a_motion(open_motion: Callable[..., Page]) -> None:
+    """Drives without sliders, and a machine, each in a tab of its own."""
+    given = ("steps, clamped", "third harmonic", "displacements")
+    page = open_motion("", *(GIVEN_DRIVES[name] for name in given), FEEDER)
+    tabs = page.locator("#tabs button")
+    assert tabs.all_text_contents() == ["scene1", "scene2", "scene3", "scene4"]
+    for number, drive in enumerate(("given", "given", "given", "machine")):
+        tabs.nth(number).click()
+        page.wait_for_function(f"document.querySelector('#drive').value === '{drive}'")
+        page.locator("#moment").fill("0.7")
+        assert " ms, " in when(page)
+        assert page.locator("#tables table").count() >= 3
+        assert page.locator("#regime").text_content() in ("no-slip", "forward-slip", "back-slip", "hopping")

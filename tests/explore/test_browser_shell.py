@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from helpers.explored_scenes import FEEDER, GIVEN_DRIVES
+from helpers.explored_scenes import FEEDER
 from PIL import Image
 
 import vibro
@@ -49,23 +49,6 @@ def test_it_computes_from_a_disk_and_breaks_no_policy(open_page: Callable[..., P
     assert [url for url in requests if not url.startswith("blob:")] == []
 
 
-@pytest.mark.parametrize("name", ["steps, clamped", "third harmonic", "displacements"])
-def test_drives_without_sliders_are_there(name: str, open_page: Callable[..., Page]) -> None:
-    page = open_page("", GIVEN_DRIVES[name])
-    assert regime(page) in ("no-slip", "forward-slip", "back-slip")
-    assert page.locator("#drive").input_value() == "given"
-
-
-def test_several_scenes_are_tabs(open_page: Callable[..., Page]) -> None:
-    page = open_page("", NUT, FEEDER)
-    assert regime(page) == "forward-slip"
-    tabs = page.locator("#tabs button")
-    assert tabs.all_text_contents() == ["scene1", "scene2"]
-    tabs.nth(1).click()
-    page.locator("#setting_percent").first.wait_for()
-    assert page.locator("#drive").input_value() == "machine"
-
-
 def test_names_of_a_scene_stay_texts(open_page: Callable[..., Page]) -> None:
     packed = FEEDER.replace("6 leaves", "<img src=x onerror=alert(1)>")
     page = open_page("", packed, NUT)
@@ -74,21 +57,14 @@ def test_names_of_a_scene_stay_texts(open_page: Callable[..., Page]) -> None:
     assert "<img src=x onerror=alert(1)>" in page.locator("#pack option").all_text_contents()
 
 
-@pytest.mark.parametrize("width", [1200, 390])
-def test_long_names_stay_in_their_frames(width: int, open_page: Callable[..., Page]) -> None:
+def test_long_names_stay_in_their_frames_on_a_telephone(open_page: Callable[..., Page]) -> None:
     packed = FEEDER.replace("6 leaves", 100_000 * "l")
-    page = open_page("", packed, NUT, viewport={"width": width, "height": 844})
+    page = open_page("", packed, NUT, viewport={"width": 390, "height": 844})
     regime(page)
     page.locator("#compare tbody th").first.evaluate("(name) => (name.textContent = 'n'.repeat(200))")
-    assert page.evaluate("document.scrollingElement.scrollWidth") <= width
+    assert page.evaluate("document.scrollingElement.scrollWidth") <= 390
     assert page.locator("#compare").evaluate("(frame) => frame.scrollWidth - frame.clientWidth") == 0
     assert page.evaluate("document.scrollingElement.scrollHeight") < 7000
-
-
-def test_it_fits_a_telephone(open_page: Callable[..., Page]) -> None:
-    page = open_page("", NUT, viewport={"width": 390, "height": 844})
-    regime(page)
-    assert page.evaluate("document.scrollingElement.scrollWidth") <= 390
 
 
 def test_it_looks_as_the_readme_shows_it(open_page: Callable[..., Page]) -> None:
@@ -107,10 +83,8 @@ def test_it_looks_as_the_readme_shows_it(open_page: Callable[..., Page]) -> None
     assert np.abs(fresh - shown).mean() < 2.0  # of 255: fonts differ from machine to machine
 
 
-@pytest.mark.parametrize("dark", [False, True])
-@pytest.mark.parametrize("width", [1200, 390])
-def test_axe_finds_nothing(width: int, dark: bool, open_page: Callable[..., Page], axe: str) -> None:
-    scheme = "dark" if dark else "light"
+@pytest.mark.parametrize(("width", "scheme"), [(1200, "light"), (390, "dark")])
+def test_axe_finds_nothing(width: int, scheme: str, open_page: Callable[..., Page], axe: str) -> None:
     page = open_page("", NUT, FEEDER, viewport={"width": width, "height": 844}, color_scheme=scheme)
     regime(page)
     page.locator("#bands").check()
@@ -121,11 +95,10 @@ def test_axe_finds_nothing(width: int, dark: bool, open_page: Callable[..., Page
 _HOPS = "#amplitude_mm=4&frequency_hz=20&static_friction_band=0.6:0.8&view=speed&target=20"
 
 
-@pytest.mark.parametrize("width", [1200, 390])
 @pytest.mark.parametrize(
-    ("scheme", "asked"),
-    [("light", (_HOPS, NUT)), ("dark", ("", FEEDER)), ("light", (_HOPS, NUT, FEEDER))],
-    ids=["nut", "feeder", "both"],
+    ("scheme", "asked", "width"),
+    [("dark", ("", FEEDER), 390), ("light", (_HOPS, NUT, FEEDER), 1200)],
+    ids=["feeder", "both"],
 )
 def test_paper_has_question_map_numbers_and_motion_on_two_sheets(
     scheme: str, asked: tuple[str, ...], width: int, open_page: Callable[..., Page]
@@ -154,6 +127,11 @@ def test_a_notebook_shows_it_in_a_frame(browser: Browser, tmp_path: Path) -> Non
         page, errors = window.new_page(), list[str]()
         page.on("console", lambda said: errors.append(said.text) if said.type == "error" else None)
         page.goto((tmp_path / "notebook.html").as_uri())
-        assert regime(page.frame_locator("iframe")) == "forward-slip"
+        frame = page.frame_locator("iframe")
+        assert regime(frame) == "forward-slip"
+        before = frame.locator("#command").text_content()
+        frame.locator("#drive_angle_deg").fill("21")
+        frame.locator("#drive_angle_deg").press("Tab")  # which a frame without addresses takes too
         page.wait_for_timeout(500)
+        assert frame.locator("#command").text_content() != before
         assert not errors

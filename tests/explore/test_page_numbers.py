@@ -64,6 +64,13 @@ def _masked(value: Any) -> str:
     return re.sub(r"-?[0-9][0-9.e+]*", "#", str(value))
 
 
+def test_scenes_are_of_all_kinds(answers: dict[str, Any]) -> None:
+    ones = [_known(grid)[0] for grid in cells().values()]
+    assert {one.status for one in ones} >= {Status.OK, Status.AVERAGED, Status.RUNAWAY}
+    assert len({one.regime for one in ones}) == 4
+    assert answers["nut"]["title"] == "forward-slip, 16.2635 mm/s"
+
+
 @each(("name", "grid"), [*cells().items()])
 def test_every_figure_is_that_of_vibro_solve(name: str, grid: Grid, answers: dict[str, Any]) -> None:
     one, known = _known(grid)
@@ -119,25 +126,6 @@ def test_machines_settle_and_are_told_as_by_vibro_solve(tmp_path: Path) -> None:
     assert not wrong, wrong[:1]
 
 
-_COUNTED = """
-export function run({ data, engine, answerOf, motionOf }, state) {
-  let count = 0;
-  const counting = { ...engine, operate: (...given) => (count += 1, engine.operate(...given)) };
-  answerOf(data, counting, state);
-  motionOf(data, counting, state);
-  return count;
-}
-"""
-
-
-def test_numbers_and_motion_of_a_machine_share_its_operating_point(tmp_path: Path) -> None:
-    file = tmp_path / "magnet.toml"
-    file.write_text(MACHINE_SCENE + KINDS["magnet"], encoding="utf-8")
-    request = request_of_call(file, {"filling_kg": 1})
-    grid = Grid({}, request.fixed, None, machine=request.machine)
-    assert in_modules(_COUNTED, state_of(grid, machine=scene_data(request)["machine"])) == 1
-
-
 _SLIPS: list[dict[str, Any]] = [
     {}, {"amplitude_mm": 90}, {"amplitude_mm": 1000}, {"amplitude_mm": 0.001}, {"frequency_hz": 1500},
     {"static_friction": 74, "kinetic_friction": 57}, {"drive_angle_deg": 0.5}, {"trough_length_mm": 1.2},
@@ -182,25 +170,14 @@ def test_a_machine_whose_masses_strike_has_no_numbers(tmp_path: Path) -> None:
     assert found["notes"] == [Status.INFEASIBLE.message]
 
 
-def test_scenes_are_of_all_kinds() -> None:
-    ones = [_known(grid)[0] for grid in cells().values()]
-    assert {one.status for one in ones} >= {Status.OK, Status.AVERAGED, Status.RUNAWAY}
-    assert len({one.regime for one in ones}) == 4
-
-
-def test_a_title_has_six_digits(answers: dict[str, Any]) -> None:
-    assert answers["nut"]["title"] == "forward-slip, 16.2635 mm/s"
-    assert answers["runaway"]["title"] == "forward-slip, unknown"
-
-
 _WRITTEN = "export const run = (page, asked) => asked.map(([name, ...values]) => page[name](...values));"
 
 
 def test_numbers_are_written_as_in_python() -> None:
     draw = random.Random(7)
     values = [0.0, 0.5, 2.5, 1.0625, 0.0009765625, 99995.0, 9.9995, 1e-4, 1e5, 123456.5, 1e22, 1.5e-7]
-    values += [draw.choice((-1, 1)) * draw.uniform(1, 10) * 10 ** draw.randint(-9, 9) for _ in range(300)]
-    values += [draw.randint(1, 9999) / 2 ** draw.randint(1, 12) for _ in range(300)]  # with ties
+    values += [draw.choice((-1, 1)) * draw.uniform(1, 10) * 10 ** draw.randint(-9, 9) for _ in range(150)]
+    values += [draw.randint(1, 9999) / 2 ** draw.randint(1, 12) for _ in range(150)]  # with ties
     errors = [10 ** draw.uniform(-5, 2) for _ in values]
     asked = [["shownText", value, digits] for value in values for digits in (3, 4, 6, 10, 15)]
     asked += [["uncertainText", value, error] for value, error in zip(values, errors, strict=True)]

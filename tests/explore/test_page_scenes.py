@@ -69,7 +69,7 @@ def assert_same(found: list[Any], scene: vibro.Scene) -> None:
 
 
 def test_drives_of_all_kinds_are_those_of_python() -> None:
-    scenes = drawn(1, 300)
+    scenes = drawn(1, 150)
     found = in_modules(RUN, [{"values": values, "given": None} for values in scenes])
     for values, one in zip(scenes, found, strict=True):
         assert_same(one, vibro.Scene(**scene_fields(values)))
@@ -77,7 +77,7 @@ def test_drives_of_all_kinds_are_those_of_python() -> None:
 
 @pytest.mark.parametrize("name", ["steps", "samples"])
 def test_motions_of_pieces_keep_their_scale(name: str) -> None:
-    for _, batch in zip(range(4), batches(name), strict=False):
+    for _, batch in zip(range(2), batches(name), strict=False):
         motion, count = batch["motion"], batch["frequency"].size
         asked, expected = [], []
         for i in range(count):
@@ -96,30 +96,6 @@ def test_friction_by_its_ratio_is_spelled_as_in_python() -> None:
     pairs = np.stack([draw(0.0, 1.0, 2000).round(3), draw(0.01, 2.0, 2000).round(2)], axis=1)
     run = "export const run = (_, asked) => asked.map((pair) => spelledFriction(...pair));"
     assert in_modules(run, pairs.tolist()) == kinetic_friction(pairs[:, 0], pairs[:, 1]).tolist()
-
-
-MAP = """
-export function run({ data, engine }, { values, given }) {
-  const rows = { values: values.friction_ratio, strides: [1, 0] };
-  const columns = { values: values.static_friction, strides: [0, 1] };
-  const axes = { friction_ratio: rows, static_friction: columns };
-  const drive = driveOf(data, { values: { ...values, ...axes }, given });
-  const cycle = engine.solve(engine.gridOf(drive, [rows.values.length, columns.values.length]));
-  return [cycle.regime, cycle.mean_velocity];
-}
-"""
-
-
-def test_maps_over_both_frictions_have_the_cells_of_a_sweep() -> None:
-    fixed = {"amplitude": 1.0, "frequency": 15.0, "drive_angle": 20.0, "trough_angle": -1.0}
-    axes = {"friction_ratio": [0.3, 0.5, 0.8, 1.0], "static_friction": [0.2, 0.4, 0.9]}
-    regime, speed = in_modules(MAP, {"values": fixed | axes, "given": None})
-    given: dict[str, Any] = {QUANTITIES[name].column: value for name, value in (fixed | axes).items()}
-    table = vibro.sweep(**given).to_frame().sort_values(["friction_ratio", "static_friction"])
-    assert [vibro.Regime(int(code)).label for code in regime] == table["regime"].tolist()
-    assert np.array(speed, float) * 1e3 == pytest.approx(
-        table["mean_velocity_mm_s"].to_numpy(), rel=1e-9, abs=1e-9
-    )
 
 
 MACHINES = """

@@ -174,20 +174,15 @@ _WRONG: list[tuple[dict[str, str], str, str]] = [
 
 
 def test_what_is_wrong_is_told_beside_its_field(ask: Callable[..., list[Any]]) -> None:
-    found = states(ask, *(query for query, _, _ in _WRONG))
+    several = {"amplitude_mm": "-1", "frequency_hz": "x", "x_range": "3:2", "static_friction_band": "3:2"}
+    *found, all_of_them = states(ask, *(query for query, _, _ in _WRONG), several)
+    assert [problem["field"] for problem in all_of_them["problems"]] == [*several]
     for (_, field, said), answer in zip(_WRONG, found, strict=True):
         assert answer["state"] is None
         assert [problem["field"] for problem in answer["problems"]] == [field], said
         text = answer["problems"][0]["text"]
         assert said in text
         assert len(text) < 500
-
-
-def test_all_that_is_wrong_is_told_at_once(ask: Callable[..., list[Any]]) -> None:
-    wrong = {"amplitude_mm": "-1", "frequency_hz": "x", "x_range": "3:2", "target": "0"}
-    (answer,) = states(ask, {**wrong, "static_friction_band": "3:2"})
-    fields = [problem["field"] for problem in answer["problems"]]
-    assert fields == ["amplitude_mm", "frequency_hz", "x_range", "static_friction_band", "target"]
 
 
 def test_texts_say_all_of_a_state(ask: Callable[..., list[Any]]) -> None:
@@ -207,17 +202,16 @@ def test_texts_say_all_of_a_state(ask: Callable[..., list[Any]]) -> None:
 
 
 def test_an_address_brings_back_its_state(ask: Callable[..., list[Any]]) -> None:
-    for scene, query in enumerate(
-        ({"x_range": "5:60:log"}, {"motion_scale": "0.5"}, {"setting_percent": "50"})
-    ):
-        (told,) = states(ask, query, scene=scene)
-        (address,) = ask(["addressOf", "DATA", scene, told["state"]["texts"]])
-        assert address.startswith("#scene=" if scene else "#drive=")
-        (read,) = ask(["readAddress", "DATA", address])
-        assert (read["scene"], read["problems"]) == (scene, [])
-        (again,) = states(ask, read["texts"], scene=scene)
-        assert again["state"]["values"] == told["state"]["values"]
-        assert again["state"]["x"] == told["state"]["x"]
+    queries = {"x_range": "5:60:log"}, {"motion_scale": "0.5"}, {"setting_percent": "50"}
+    told = ask(*(["stateOf", "DATA", scene, query] for scene, query in enumerate(queries)))
+    addresses = ask(*(["addressOf", "DATA", n, one["state"]["texts"]] for n, one in enumerate(told)))
+    assert [address.partition("=")[0] for address in addresses] == ["#drive", "#scene", "#scene"]
+    read = ask(*(["readAddress", "DATA", address] for address in addresses))
+    assert [(one["scene"], one["problems"]) for one in read] == [(0, []), (1, []), (2, [])]
+    again = ask(*(["stateOf", "DATA", one["scene"], one["texts"]] for one in read))
+    for one, other in zip(told, again, strict=True):
+        assert one["state"]["values"] == other["state"]["values"]
+        assert one["state"]["x"] == other["state"]["x"]
 
 
 _FOREIGN = [
@@ -235,23 +229,22 @@ def test_a_foreign_address_is_refused_without_a_throw(ask: Callable[..., list[An
 
 
 def test_a_link_to_another_motion_is_refused(ask: Callable[..., list[Any]]) -> None:
-    for scene, what in ((1, "motion"), (2, "machine")):
-        (own,) = states(ask, {}, scene=scene)
-        assert own["problems"] == []
-        (other,) = states(ask, {"motion": "beef"}, scene=scene)
-        assert f"of another {what} than that of the scene" in other["problems"][0]["text"]
+    asked = [(scene, texts) for scene in (1, 2) for texts in ({}, {"motion": "beef"})]
+    own, motion, fed, machine = ask(*(["stateOf", "DATA", *one] for one in asked))
+    assert own["problems"] == fed["problems"] == []
+    for answer, what in ((motion, "motion"), (machine, "machine")):
+        assert f"of another {what} than that of the scene" in answer["problems"][0]["text"]
 
 
 def test_a_clamped_part_may_hang_and_is_not_lifted(ask: Callable[..., list[Any]]) -> None:
     hung = {"x": "trough_angle_deg", "x_range": "-90:90", "trough_angle_deg": "90"}
-    assert states(ask, hung, scene=1)[0]["problems"] == []
-    assert states(ask, hung)[0]["problems"][0]["text"].endswith("must be in (-90, 90) deg")
-    values = states(ask, {}, scene=1)[0]["state"]["values"]
+    asked = (1, hung), (0, hung), (1, {}), (1, {"drive": "ellipse", "trough_angle_deg": "0"})
+    clamped, free, start, ellipse = ask(*(["stateOf", "DATA", *one] for one in asked))
+    assert clamped["problems"] == []
+    assert free["problems"][0]["text"].endswith("must be in (-90, 90) deg")
+    values = start["state"]["values"]
     assert (values["along_amplitude_3"], values["normal_acceleration"]) == (0.1, 20.0)
-    assert (
-        "normal_acceleration"
-        not in states(ask, {"drive": "ellipse", "trough_angle_deg": "0"}, scene=1)[0]["state"]["values"]
-    )
+    assert "normal_acceleration" not in ellipse["state"]["values"]
 
 
 def test_axes_go_with_their_drive_and_ranges_with_their_axes(ask: Callable[..., list[Any]]) -> None:
@@ -276,21 +269,3 @@ def test_presets_are_states(ask: Callable[..., list[Any]]) -> None:
         state = answer["state"]
         for axis in (state["x"], state["y"]):
             assert axis["from"] < state["values"][axis["name"]] < axis["to"]
-
-
-def test_bands_follow_the_friction_ratio_or_not(ask: Callable[..., list[Any]]) -> None:
-    (plain,) = states(ask, {})
-    follows, free = ask(["bandsIf", plain["state"], True], ["bandsIf", plain["state"], False])
-    assert follows == {"static_friction_band": "0.666:0.814"}
-    assert free == {**follows, "kinetic_friction_band": "0.513:0.627"}
-    (banded,) = states(ask, {**free, "follow": "0"})
-    (ratio,) = ask(["bandsIf", banded["state"], True])
-    assert ratio == {**follows, "friction_ratio_band": "0.6932:0.8473"}
-    low, slack = states(
-        ask,
-        {"static_friction_band": "0.3:0.4", "friction_ratio_band": "0.5:0.6"},
-        {"restitution_band": "0:0.1"},
-    )
-    (most, none) = ask(["bandsIf", low["state"], False], ["bandsIf", slack["state"], False])
-    assert most == {"static_friction_band": "0.3:0.4", "kinetic_friction_band": "0.15:0.24"}
-    assert none == {"restitution_band": "0:0.1"}

@@ -12,7 +12,7 @@ from helpers.cases import each
 from helpers.explored_scenes import FEEDER, GIVEN_DRIVES
 
 import vibro
-from vibro.explore.controls import CONTROLS, DRIVES, PRESETS, VIEWS
+from vibro.explore.controls import CONTROLS
 from vibro.explore.scenes import USUAL, request_of_scene, scene_data, typed_number
 from vibro.files.machines import machine_of
 from vibro.quantities import MACHINE, QUANTITIES, SWEPT, scene_fields
@@ -177,18 +177,3 @@ def test_several_scenes_of_python_are_refused() -> None:
         vibro.page(vibro.Scene(amplitude=[1e-3, 2e-3], frequency=15, **body))
     with pytest.raises(vibro.InputError, match=r"scene = 3: must be a vibro\.Scene"):
         vibro.page(3)  # type: ignore[arg-type]
-
-
-@pytest.mark.parametrize("name", PRESETS)
-def test_presets_are_states(name: str) -> None:
-    state = PRESETS[name].state
-    assert state.keys() <= {*scene_data()["state"], *(QUANTITIES[name].column for name in CONTROLS)}
-    for key in "xy":
-        low, high = map(float, state[f"{key}_range"].split(":"))
-        assert low < float(state[state[key]]) < high
-
-
-def test_views_and_drives_have_names() -> None:
-    assert [*VIEWS] == ["regime", "speed", "traverse", "impact", "flight"]
-    for drive in DRIVES.values():
-        assert {drive.x, drive.y} <= {*SWEPT}

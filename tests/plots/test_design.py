@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from helpers.drawn import curve, legend, only_map, path_of, said, unarranged
+from helpers.drawn import curve, legend, only_map, path_of, unarranged
 from helpers.questions import answered
 from matplotlib.path import Path as Outline
 
@@ -18,7 +18,6 @@ from vibro.answers.design import goal_text
 from vibro.designs.design import chosen_of
 from vibro.designs.pictured import setting_fields, speed_band
 from vibro.designs.reading import read_spec
-from vibro.plots import DESIGN_PICTURES
 from vibro.plots import design as settings_module
 from vibro.plots.design import Settings, design_figures
 from vibro.results.designs import Design
@@ -165,29 +164,6 @@ def test_regimes_are_those_of_the_least_and_the_most_lively_part(
     assert len(seen) >= 4
 
 
-def test_every_region_is_named(pictures: dict[str, Figure], magnets_pictures: dict[str, Figure]) -> None:
-    for figures in (pictures, magnets_pictures):
-        figure = figures["regime"]
-        areas = {str(p.get_gid()) for p in only_map(figure).patches} - {"beyond the drive"}
-        assert areas <= said(figure)
-        assert "hopping" in areas
-    assert "some part slips back" in said(pictures["speed"])
-    assert "some part hops" in said(magnets_pictures["speed"])
-
-
-def test_the_drives_limits_are_drawn(
-    pictures: dict[str, Figure], magnets_pictures: dict[str, Figure]
-) -> None:
-    for name in ("regime", "speed"):
-        outline = curve(only_map(pictures[name]), "drive")
-        np.testing.assert_allclose([outline[:, 0].min(), outline[:, 0].max()], [10.0, 30.0], rtol=1e-3)
-        assert outline[:, 1].max() == pytest.approx(3.0, rel=1e-3)
-        assert "limits of the drive" in said(pictures[name])
-        lines = curve(only_map(magnets_pictures[name]), "drive")
-        assert set(lines[:, 0]) == {50.0, 100.0}
-        assert lines[:, 1].max() == pytest.approx(0.8, rel=1e-3)
-
-
 def test_what_meets_the_goal_is_what_every_part_does(
     nut: tuple[Spec, Chosen], pictures: dict[str, Figure]
 ) -> None:
@@ -209,14 +185,6 @@ def test_what_meets_the_goal_is_what_every_part_does(
     inside = outline.contains_points(np.column_stack([frequency, amplitude]))
     sure = possible & (abs(excess) >= 0.05)  # of a coarse picture
     assert np.array_equal(inside[sure], meets[sure])
-
-
-def test_the_chosen_setting_is_marked(pictures: dict[str, Figure]) -> None:
-    assert tuple(pictures) == DESIGN_PICTURES
-    for name, place in {"regime": (10.2, 2.45), "speed": (10.2, 2.45), "band": (2.45, 36.0)}.items():
-        axes = pictures[name].axes[1 if name == "band" else 0]
-        assert tuple(curve(axes, "safest design")[0]) == pytest.approx(place)
-        assert "safest design" in legend(pictures[name])
 
 
 def test_headings_repeat_the_question(pictures: dict[str, Figure], nut: tuple[Spec, Chosen]) -> None:

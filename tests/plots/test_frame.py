@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from vibro.plots import map_figures
 from vibro.plots.frame import make_logarithmic, renderer_of
-from vibro.plots.style import house_style, values_text
+from vibro.plots.style import house_style
 from vibro.results.sweep import SweepResult
 
 
@@ -33,14 +33,6 @@ def test_heading_says_what_of_what_and_where(pictures: dict[str, Figure]) -> Non
     for part in (r"$\alpha$ = 20°", r"$\mu_s$ = 0.74", r"$\mu_d$ = 0.57"):
         assert part in heading
     assert r"\beta" not in heading  # a level trough goes without saying
-
-
-def test_colour_bars_have_units(pictures: dict[str, Figure]) -> None:
-    (bar,) = [a for a in pictures["speed"].axes if a.get_label() == "<colorbar>"]
-    assert bar.get_ylabel() == "mean conveying speed [mm/s]"
-    (bar,) = [a for a in pictures["traverse"].axes if a.get_label() == "<colorbar>"]
-    assert bar.get_ylabel() == "traverse time [s]"
-    assert [label.get_text() for label in bar.get_yticklabels()] == ["1", "2", "5", "10", "20", "50", "100"]
 
 
 def test_a_logarithmic_axis_of_many_decades_has_powers_of_ten() -> None:
@@ -85,20 +77,3 @@ def test_numbers_along_axes_are_full_and_apart(changes: dict[str, Any]) -> None:
 def test_no_operating_point_elsewhere(nut: SweepResult, own: dict[str, float] | None) -> None:
     figure = map_figures(dataclasses.replace(nut, operating_point=own, length=None), ["regime"])["regime"]
     assert "operating point" not in said(figure)
-
-
-def test_a_heading_counts_harmonics_beyond_the_second() -> None:
-    two = {"along_amplitude": 1.0, "along_amplitude_2": 0.5, "along_phase_2": 90.0}
-    assert values_text(two) == "$X$ = 1 mm, $X_2$ = 0.5 mm, $\\xi_2$ = 90°"
-    three = {**two, "along_amplitude_3": 0.1, "along_phase_3": 5.0}
-    assert values_text(three) == f"{values_text(two)}, 3 harmonics"
-    assert "X_3" in values_text(three, all_of_them=True)
-
-
-def test_a_long_legend_takes_nothing_from_the_map() -> None:
-    ranges: dict[str, Any] = {"amplitude": "0.1:6", "trough_angle": "-15:15"}
-    plain = map_figures(sweep(points=21, **ranges), ["regime"])["regime"]
-    result = sweep(points=21, frequency=20, drive_angle=85, restitution=0.3, **ranges)
-    busy = map_figures(result, ["speed"], target_speed=100.0)["speed"]
-    assert len(busy.legends[0].get_texts()) >= 5
-    assert busy.axes[0].bbox.height > 0.88 * plain.axes[0].bbox.height

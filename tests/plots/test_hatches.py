@@ -96,32 +96,6 @@ def test_cells_where_most_parts_move_otherwise_are_hatched_in_place_of_other_cyc
                 assert inside.tolist() == [True, False]
 
 
-def test_a_hatch_too_narrow_to_be_seen_is_not_explained(nut: SweepResult) -> None:
-    for width, shown in ((1, False), (8, True)):
-        coexists = np.zeros(nut.shape, np.int8)
-        coexists[:, 200 : 200 + width] = 1
-        cycle = dataclasses.replace(nut.cycle, coexists=coexists)
-        figure = map_figures(dataclasses.replace(nut, cycle=cycle, length=None), ["regime"])["regime"]
-        assert (COEXISTS_LABEL in legend(figure)) == shown
-        assert (patch(only_map(figure), COEXISTS_LABEL) is not None) == shown
-
-
-def test_means_of_irregular_motion_are_marked_down_to_the_last_point(nut: SweepResult) -> None:
-    codes = np.full(nut.shape, Status.OK, np.int8)
-    codes[100:200, 150:250] = Status.AVERAGED  # amplitude 0.9 ... 1.7 mm, frequency 28 ... 43 Hz
-    codes[300, 50] = Status.AVERAGED
-    velocity = np.full(nut.shape, 0.05)
-    cycle = dataclasses.replace(nut.cycle, status=codes, mean_velocity=velocity)
-    figures = pictures_of(dataclasses.replace(nut, cycle=cycle, length=None))
-    found = path_of(only_map(figures["speed"]), AVERAGED_LABEL)
-    assert found.contains_points([(30, 1.3), (20, 1.3), (44.5, 1.3)]).tolist() == [True, False, False]
-    amplitude, frequency = (axis.values for axis in nut.axes.values())
-    rows, columns = np.nonzero(codes == Status.AVERAGED)
-    assert found.contains_points(np.column_stack([frequency[columns], amplitude[rows]])).all()
-    assert AVERAGED_LABEL in legend(figures["speed"])
-    assert patch(only_map(figures["regime"]), AVERAGED_LABEL) is None
-
-
 def test_means_of_irregular_motion_are_dots_beside_a_line() -> None:
     result = sweep(points=201, amplitude="1:4")
     codes = result.cycle.status.copy()

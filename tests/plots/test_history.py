@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import cache
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,7 +11,6 @@ from helpers.made_records import Walked, nut
 from matplotlib.patches import Polygon, Rectangle
 
 import vibro
-from vibro.errors import InputError
 from vibro.motion.histories import trace
 from vibro.plots.comparison import comparison_figure
 from vibro.plots.history import PANELS, PHASE_COLOURS, choose_panels, history_figure
@@ -115,38 +113,11 @@ def test_nothing_is_named_that_is_not_drawn() -> None:
     ]
 
 
-def test_friction_is_legible_beside_the_load_of_a_hopping_body() -> None:
-    history, figure = draw(4.0)
-    names = [text.get_window_extent() for text in figure.axes[0].texts]
-    assert all(left.x1 < right.x0 for left, right in pairwise(names))
-    limits, _, load, friction = figure.axes[2].lines[:4]
-    _, top = figure.axes[2].get_ylim()
-    reach = max(np.nanmax(np.abs(np.asarray(line.get_ydata()))) for line in (limits, friction))
-    assert reach <= top <= 2.0 * reach < np.nanmax(np.abs(np.asarray(load.get_ydata())))
-    assert "inertial and gravity, along the trough (cut off)" in names_in(figure)
-    # Without contact there are neither limits of friction nor a load that friction could bear.
-    times = np.asarray(load.get_xdata()) / 1e3
-    for phase in history.phases:
-        inside = (times > phase.start) & (times < phase.end)
-        for line in (limits, load):
-            assert (np.isnan(np.asarray(line.get_ydata())[inside]) == (phase.kind == "H")).all()
-
-
 def test_static_friction_has_a_limit_either_way() -> None:
     _, figure = draw(panels="forces")
     upper, lower = (np.asarray(line.get_ydata()) for line in figure.axes[1].lines[:2])
     np.testing.assert_array_equal(lower, -upper)
     assert np.nanmin(upper) > 0.0
-
-
-def test_panels_are_chosen() -> None:
-    assert [axes.get_ylabel() for axes in draw(panels="velocity, gap")[1].axes[1:]] == [
-        "relative\nvelocity [mm/s]",
-        "height above\nthe trough [mm]",
-    ]
-    assert choose_panels(None, flies=False) == [name for name in PANELS if name != "gap"]
-    with pytest.raises(InputError, match="'speed' is no panel"):
-        choose_panels("speed", flies=False)
 
 
 def test_a_comparison_has_a_row_a_signal() -> None:

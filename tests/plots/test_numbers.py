@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from typing import TYPE_CHECKING
 
@@ -13,19 +12,17 @@ from helpers.drawn import (
     curve,
     image_of,
     legend,
-    maps_of,
     only_map,
     path_of,
-    pictures_of,
     said,
     scene_of,
     sweep,
     unarranged,
     words,
 )
-from matplotlib.colors import AsinhNorm, CenteredNorm, LogNorm, Normalize, to_rgba
+from matplotlib.colors import AsinhNorm, CenteredNorm, LogNorm, Normalize
 
-from vibro import Regime, Scene, Status, solve
+from vibro import Regime, Scene, solve
 from vibro.plots import map_figures
 from vibro.plots.scales import scale_of
 from vibro.plots.style import BACKWARDS_LABEL
@@ -121,21 +118,6 @@ def test_contours_carry_their_values(pictures: dict[str, Figure]) -> None:
         assert np.quantile(off, 0.98) < 0.06  # by which the speed drops where back slip begins
 
 
-@pytest.mark.parametrize("name", ["speed", "traverse"])
-def test_no_motion_has_the_colour_of_rest(
-    climb_pictures: dict[str, Figure], climb: SweepResult, name: str
-) -> None:
-    """No-slip is white; the least speed either way, and what moves backwards without a time, are not."""
-    axes = only_map(climb_pictures[name])
-    rest = path_of(axes, "no-slip")
-    assert rest.contains_point((0.2, 0.0))
-    moving = (climb.cycle.mean_velocity != 0.0).T
-    assert image_of(axes).get_array()[moving][:, :3].min(axis=1).max() < 215
-    backwards = [p for p in axes.patches if p.get_gid() == BACKWARDS_LABEL]
-    faces = [to_rgba(patch.get_facecolor()) for patch in backwards]
-    assert all(min(face) < 0.6 for face in faces)  # coloured, or see-through
-
-
 @pytest.mark.parametrize("name", ["regime", "speed"])
 def test_where_bodies_move_backwards_is_hatched_up_to_the_line_of_zero_speed(
     climb_pictures: dict[str, Figure], climb: SweepResult, name: str
@@ -178,18 +160,6 @@ def test_traverse_times(pictures: dict[str, Figure], nut: SweepResult) -> None:
     shortest, longest = image.get_clim()
     assert shortest == pytest.approx(times.min(), rel=0.02)
     assert 0.97 < np.mean(times < longest) < 0.99
-
-
-@pytest.mark.parametrize(
-    ("amplitude", "frequency", "name"), [("0.01:0.1", "5:10", "no-slip"), ("4:10", "30:50", "hopping")]
-)
-def test_a_single_regime_fills_the_map(amplitude: str, frequency: str, name: str) -> None:
-    figures = pictures_of(sweep(points=121, length=600, amplitude=amplitude, frequency=frequency))
-    assert words(only_map(figures["regime"])) == [name]
-    if name == "no-slip":
-        assert all(figure.axes == maps_of(figure) for figure in figures.values())  # nothing to colour
-    begins = "at rest everywhere: motion begins at "
-    assert all((begins in figure.get_suptitle()) == (name == "no-slip") for figure in figures.values())
 
 
 @pytest.fixture(scope="module")
@@ -235,19 +205,3 @@ def test_a_speed_that_is_asked_for_stands_out(nut: SweepResult) -> None:
     (drawn,) = [line for line in only_map(figure).lines if line.get_gid() == "20 mm/s"]
     assert drawn.get_linewidth() > 2.0
     assert "20 mm/s" in said(figure)
-
-
-def test_cells_of_irregular_motion_that_reach_a_speed_are_outlined(nut: SweepResult) -> None:
-    """Means above the speed amid slower ones: no curve leads through them."""
-    cycle = nut.cycle
-    means = {name: getattr(cycle, name).copy() for name in ("status", "period_cycles", "mean_velocity")}
-    for name, value in {"status": Status.AVERAGED, "period_cycles": np.nan, "mean_velocity": 0.9}.items():
-        means[name][200:320, 150:300] = value  # amplitude 1.7 ... 2.7 mm, frequency 28 ... 51 Hz
-    means["mean_velocity"][240:280, 200:250] = 1.5
-    result = dataclasses.replace(nut, cycle=dataclasses.replace(cycle, **means))
-    axes = only_map(map_figures(result, ["speed"], target_speed=1000.0)["speed"])
-    frequency, amplitude = curve(axes, "1000 mm/s").T
-    y, x = (axis.values for axis in nut.axes.values())
-    block = (frequency > x[199]) & (frequency < x[250]) & (amplitude > y[239]) & (amplitude < y[280])
-    assert np.ptp(frequency[block]) == pytest.approx(x[249] - x[199], rel=0.01)
-    assert np.ptp(amplitude[block]) == pytest.approx(y[279] - y[239], rel=0.01)

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from helpers.drawn import curve, legend, maps_of, only_map, sweep
-
-from vibro.plots import map_figures
-from vibro.results.sweep import Peak
+from helpers.drawn import curve, legend, maps_of, only_map
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -67,27 +63,3 @@ def test_a_line_is_marked_at_its_top(one_axis: SweepResult, line_pictures: dict[
     amplitude = one_axis.axes["amplitude"].values[top]
     assert peak_notes(figure) == [f"fastest: {speed[top]:.5g} mm/s at $A$ = {amplitude:.5g} mm"]
     np.testing.assert_allclose(curve(figure.axes[1], "fastest"), [[amplitude, speed[top]]], rtol=1e-15)
-
-
-@pytest.mark.parametrize(
-    ("axes", "place"),
-    [
-        ({"amplitude": "0.5,1", "frequency": "15, 25"}, "$A$ = 1 mm, $f$ = 25 Hz"),
-        (
-            {"amplitude": "0.1:1", "frequency": "15, 25", "drive_angle": "10,15,20"},
-            "$A$ = 1 mm, $f$ = 25 Hz, $\\alpha$ = 20\N{DEGREE SIGN}",
-        ),
-    ],
-)
-def test_of_several_curves_the_fastest_is_marked_once(axes: dict[str, Any], place: str) -> None:
-    figure = map_figures(sweep(points=41, **axes), ["speed"])["speed"]
-    (text,) = peak_notes(figure)
-    assert text.endswith(f" mm/s at {place}")
-    assert len(marked(figure)) == 1
-
-
-def test_the_fastest_cell_of_a_table_is_marked_where_it_lies(nut: SweepResult) -> None:
-    table = {"fastest": Peak(900.0, 0.0, {"amplitude": 2.5, "frequency": 50.0})}
-    figure = map_figures(replace(nut, peaks=table), ["speed"])["speed"]
-    assert peak_notes(figure) == ["fastest: 900 mm/s at $A$ = 2.5 mm, $f$ = 50 Hz"]
-    np.testing.assert_array_equal(curve(only_map(figure), "fastest"), [[50.0, 2.5]])

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from helpers.drawn import GRAVITY, curve, drawn_regime, legend, lightness, only_map, sweep, words
+from helpers.drawn import GRAVITY, curve, drawn_regime, only_map, sweep
 
 from vibro import Scene, Status, critical_loads, solve
 from vibro.core.codes import is_answered
 from vibro.plots import map_figures
-from vibro.plots.style import CURVES, REGIME_COLOURS
+from vibro.plots.style import CURVES
 from vibro.plots.view import choose_view
 from vibro.quantities import scene_fields, with_amplitude
 from vibro.results.sweep import SweepResult
@@ -22,12 +21,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 pytestmark = pytest.mark.usefixtures("unarranged")
-
-
-def test_colours_are_apart_in_grey() -> None:
-    assert all(colour.startswith("#") and len(colour) == 7 for colour in REGIME_COLOURS.values())
-    shades = sorted(lightness(colour) for colour in REGIME_COLOURS.values())
-    assert min(high - low for low, high in itertools.pairwise(shades)) > 15
 
 
 def test_critical_curves_are_exact(pictures: dict[str, Figure], nut: SweepResult) -> None:
@@ -64,10 +57,3 @@ def test_colours_agree_with_the_solver_anywhere(changes: dict[str, Any]) -> None
     checked = ~near & (answered | (cycle.status == Status.FLIGHT_NOT_MODELLED))
     assert checked.mean() > 0.6
     np.testing.assert_array_equal(drawn_regime(axes, x, y)[checked], cycle.regime[checked])
-
-
-def test_regions_too_small_for_words_are_in_the_legend() -> None:
-    figure = map_figures(sweep(amplitude="0.1:3", frequency="20:60", drive_angle=2), ["regime"])["regime"]
-    small = [name for name in ("no-slip", "forward-slip") if name not in words(only_map(figure))]
-    assert small
-    assert set(small) <= set(legend(figure))

@@ -77,12 +77,6 @@ def test_amplitude_stands_above_speed_on_one_axis() -> None:
     apart(figure)
 
 
-def test_the_peak_does_not_hide_the_operating_point() -> None:
-    figure = drive_figure(drive(), "magnet", "")
-    for axes, value in zip(figure.axes, (0.34, 34.0), strict=True):
-        assert value < axes.get_ylim()[1] < 4.0 * value
-
-
 def test_without_a_filling_a_voltage_and_hops() -> None:
     empty = response(48.0)
     bare = drive(

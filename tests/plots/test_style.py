@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import inspect
 import os
-import re
 import subprocess
 import sys
 from pathlib import Path
@@ -14,7 +12,7 @@ import matplotlib as mpl
 from helpers.drawn import OWN, lightness, sweep
 
 from vibro import Regime
-from vibro.plots import map_figures, save, style
+from vibro.plots import map_figures, save
 from vibro.plots.history import PHASE_COLOURS
 from vibro.plots.style import REGIME_COLOURS, ink_on
 
@@ -32,14 +30,6 @@ def test_regimes_and_phases_have_colours_of_their_own_with_legible_words() -> No
         assert abs(lightness(colour) - lightness(ink_on(colour))) > 40.0
     phases = {"F": Regime.FORWARD_SLIP, "B": Regime.BACK_SLIP, "H": Regime.HOPPING, "_": Regime.NO_SLIP}
     assert {k: REGIME_COLOURS[regime] for k, regime in phases.items()} == PHASE_COLOURS
-
-
-def test_every_pattern_of_dashes_has_one_meaning() -> None:
-    """There is no other pattern in the pictures than those of ``style``, and no two of these are alike."""
-    patterns = re.findall(r"\(0, \([\d., ]+\)\)", inspect.getsource(style))
-    assert len({*patterns}) == len(patterns) > 8
-    for file in set(Path(style.__file__).parent.glob("*.py")) - {Path(style.__file__)}:
-        assert not re.search(r"\(0, \(\d|dashes=\(", file.read_text(encoding="utf-8")), file
 
 
 def test_settings_for_other_pictures_change_nothing(tmp_path: Path) -> None:

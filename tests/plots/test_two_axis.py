@@ -58,28 +58,6 @@ def test_the_amplitude_is_across_and_the_phase_up_in_eighths_of_a_turn(phases: S
     assert "zero speed" in words(axes)
 
 
-@pytest.mark.parametrize(
-    ("ranges", "x", "y"),
-    [
-        (("along_amplitude_mm", "normal_phase_deg"), "along_amplitude", "normal_phase"),
-        (("along_amplitude_mm", "normal_amplitude_mm"), "along_amplitude", "normal_amplitude"),
-        (("normal_amplitude_mm", "frequency_hz"), "frequency", "normal_amplitude"),
-        (("normal_phase_deg", "static_friction"), "normal_phase", "static_friction"),
-    ],
-)
-def test_which_axis_is_across(ranges: tuple[str, str], x: str, y: str) -> None:
-    given: dict[str, Any] = {
-        "along_amplitude_mm": 1,
-        "normal_amplitude_mm": 0.3,
-        "frequency_hz": 25,
-        **FRICTION,
-    }
-    swept = vibro.sweep(**(given | dict.fromkeys(ranges, "0.4:0.5:3")))
-    view = choose_view(swept._grid.axes)
-    assert view.y is not None
-    assert (view.x.name, view.y.name) == (x, y)
-
-
 def test_a_trough_that_stands_still_along_or_altogether_is_drawn() -> None:
     swept = vibro.sweep(
         along_amplitude_mm="0:1:41", normal_amplitude_mm="0:0.5:41", frequency_hz=25, normal_phase_deg=-60,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from typing import TYPE_CHECKING, Any
 
@@ -16,19 +15,6 @@ from vibro.quantities import QUANTITIES
 
 if TYPE_CHECKING:
     from vibro.plots.view import View
-
-
-def test_frequency_across_amplitude_up() -> None:
-    view = choose_view(grid_axes("amplitude", "frequency", "drive_angle"))
-    assert view.y is not None
-    assert view.facet is not None
-    assert (view.x.name, view.y.name, view.facet.name) == ("frequency", "amplitude", "drive_angle")
-
-
-def test_more_than_three_axes_show_their_middle_slice() -> None:
-    view = choose_view(grid_axes("amplitude", "frequency", "drive_angle", "static_friction", "trough_angle"))
-    assert view.held == {"static_friction": 10, "trough_angle": 10}
-    assert view.drawn.keys() == {"drive_angle", "static_friction", "trough_angle"}
 
 
 DRAWN = {"amplitude": "1, 2", "frequency": "5:60", "restitution": "0:0.5"}
@@ -113,26 +99,5 @@ def test_a_value_that_is_not_on_its_axis_is_refused_with_those_that_are(text: st
         assert found == [i for i in (above - 1, above) if 0 <= i < len(values)]
 
 
-def test_a_value_on_its_axis_may_have_had_another_unit_or_five_digits() -> None:
-    axes = axes_of(amplitude="1:2", drive_angle="10,20,30")
-    for value in (20.0, 20.0009, math.degrees(math.radians(20.0))):
-        assert choose_view(axes, at={"drive_angle": value}).held == {"drive_angle": 1}
-    with pytest.raises(InputError, match="none of the values"):
-        choose_view(axes, at={"drive_angle": 20.002})
-
-
 def axes_of(**texts: str) -> dict[str, Any]:
     return {name: parse_axis(texts[name], QUANTITIES[name]).axis(20) for name in QUANTITIES if name in texts}
-
-
-def grid_axes(*names: str) -> dict[str, Any]:
-    ranges = {
-        "amplitude": "0.1:3",
-        "frequency": "5:60",
-        "drive_angle": "5:40",
-        "static_friction": "0.6:0.9",
-        "kinetic_friction": "0.1:0.5",
-        "friction_ratio": "0.1:1",
-        "trough_angle": "-5:5",
-    }
-    return {name: parse_axis(ranges[name], QUANTITIES[name]).axis(20) for name in names}

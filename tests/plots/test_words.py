@@ -10,8 +10,7 @@ import pytest
 from helpers.drawn import OWN, corners, curve, legend, maps_of, pictures_of, sweep, unarranged, words
 from matplotlib.path import Path as Outline
 
-from vibro.plots.frame import renderer_of
-from vibro.plots.style import CURVES, house_style
+from vibro.plots.style import CURVES
 
 if TYPE_CHECKING:
     from helpers.drawn import Floats
@@ -106,36 +105,3 @@ def test_every_contour_that_is_seen_has_its_number_on_it(figures: list[Figure]) 
             if line.get_visible():
                 outlines = numbers[gid.split()[1]]
                 assert all(outline.contains_points(pixels(axes, gid)).any() for outline in outlines), gid
-
-
-def drawn(figure: Figure) -> Any:
-    with house_style():
-        figure.draw(renderer_of(figure))
-    return np.asarray(figure.canvas.buffer_rgba()).copy()  # type: ignore[attr-defined]
-
-
-def test_the_legend_explains_what_is_to_be_seen(joined: dict[str, Figure]) -> None:
-    for figure in list(joined.values())[-1:]:
-        whole = drawn(figure)
-        for text in legend(figure):
-            found = [
-                artist
-                for axes in maps_of(figure)
-                for artist in axes.get_children()
-                if text in {artist.get_gid(), artist.get_label()}
-            ]
-            assert found
-            for artist in found:
-                artist.set_visible(False)
-            without = drawn(figure)
-            for artist in found:
-                artist.set_visible(True)
-            assert np.count_nonzero((without != whole).any(axis=2)) > 20, text
-
-
-@pytest.mark.parametrize("name", ["pictures", "facets", "joined", "line_pictures"])
-def test_legends_fit_below_the_axes(name: str, request: pytest.FixtureRequest) -> None:
-    for figure in request.getfixturevalue(name).values():
-        for box in (found.get_window_extent(renderer_of(figure)) for found in figure.legends):
-            assert figure.bbox.x0 <= box.x0
-            assert box.x1 <= figure.bbox.x1
