@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import cache
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from helpers.questions import LOOSE, asked, one_drive
 
 import vibro
 from vibro.core.codes import Regime
-from vibro.designs.design import chosen_of
+from vibro.designs.design import chosen_of, find_designs
 from vibro.designs.guarantees import guarantee_of
 from vibro.designs.optima import LineOptimiser
 from vibro.designs.reading import read_spec
@@ -239,6 +240,29 @@ def test_what_no_rounding_of_the_optimum_holds_is_rounded_beside_it(
         assert (gentlest.acceleration_g or 0.0) > acceleration
         return
     assert [design.amplitude_mm for design in (gentlest, fastest)] == [0.154, 0.2315]
+
+
+def test_the_goals_regime_is_told_first_and_more_allowed_is_never_worse() -> None:
+    scene, goal = {**KNOWN["scene"], "restitution": 0}, {"speed_mm_s": 5, "highest_regime": "back-slip"}
+    motor = {"scene": scene, "drive": KNOWN["drive"][1:], "goal": goal}
+    told: list[tuple[int, int, str]] = []
+    whole = find_designs(read_spec(motor), lambda *done: told.append(done)).designs
+    regimes = ("forward-slip", "back-slip", "hopping")
+    kinds = ("gentlest", "fastest", "safest")
+    searched = ("forward-slip at most", "back-slip at most", "hopping allowed")
+    progress = [f"motor: {kind}, {where}" for where in searched for kind in ("fastest", "gentlest", "safest")]
+    assert [what for *_, what in told if what] == [text for text in progress if text in {t[2] for t in told}]
+    assert told[-1] == (9, 9, "")
+    assert [(d.highest_regime, d.design) for d in whole] == [
+        (regimes[n], kind) for n in (1, 0, 2) for kind in kinds
+    ]
+    assert whole[:3] == vibro.design(motor, only="goal").designs
+    by = {(d.highest_regime, d.design): d for d in whole}
+    for lower, higher in pairwise(regimes):
+        faster, slower = (by[regime, "fastest"].speed_min_mm_s or 0.0 for regime in (higher, lower))
+        harder, softer = (by[regime, "gentlest"].acceleration_g or 0.0 for regime in (lower, higher))
+        assert faster >= slower
+        assert softer <= harder
 
 
 def test_with_known_frictions_the_gentlest_of_all_drives_is_shown() -> None:

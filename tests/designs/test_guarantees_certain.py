@@ -250,22 +250,3 @@ def test_bodies_without_friction_have_no_regime() -> None:
     assert np.isnan(found.speed_min).all()
     none = Frictions((0.0, 0.0), (0.0, 0.0), False).certain_of(points)
     assert none.lowest.tolist() == none.highest.tolist() == [Regime.UNDEFINED, Regime.HOPPING]
-
-
-def test_shapes_and_combinations_that_cannot_be() -> None:
-    scene = Scene.allowing_infeasible(
-        amplitude=1e-3,
-        frequency=FREQUENCY,
-        drive_angle=np.radians([10.0, 50.0, 85.0]),
-        trough_angle=np.radians([[-5.0], [5.0]]),
-        static_friction=np.full((4, 1, 1), 0.3),  # their own frictions do not count
-        kinetic_friction=0.9,
-    )
-    found = certain(scene, static_friction=STATIC, second_friction=KINETIC, is_ratio=False)
-    for array in found:
-        assert array.shape == (2, 3)
-    assert found.lowest.dtype == found.highest.dtype == np.int8
-    # beyond 90 deg the body is thrown off here, as any other drive would throw it
-    assert np.array_equal(found.lowest[1], [Regime.BACK_SLIP, Regime.HOPPING, Regime.HOPPING])
-    assert (found.highest >= found.lowest).all()
-    assert np.isnan(found.speed_min[1, 2])

@@ -19,9 +19,8 @@ import vibro
 from vibro.cli.app import app
 from vibro.core.codes import Regime
 from vibro.designs import guarantees
-from vibro.designs.design import chosen_of, find_designs
+from vibro.designs.design import find_designs
 from vibro.designs.optima import EllipseOptimiser
-from vibro.designs.pictured import setting_fields
 from vibro.designs.proofs import begin_load, change_loads
 from vibro.designs.questions import Question
 from vibro.designs.reading import read_spec
@@ -372,28 +371,6 @@ def test_the_example_is_answered_on_the_command_line(servo: Servo) -> None:
     answer = json.loads((servo.folder / "design_motion-design.json").read_text(encoding="utf-8"))
     assert [d["motion_scale"] for d in answer["designs"]] == [1.381, 1.5, 1.5]
     assert "amplitude_mm" not in answer["columns"]
-
-
-@pytest.mark.usefixtures("brief")
-@pytest.mark.parametrize(
-    ("kind", "half_base", "stands"),
-    [("ellipse", 5.0, True), ("ellipse", 4.0, False), ("harmonic", 4.0, False)],
-)
-def test_designs_of_parts_that_must_stand(kind: str, half_base: float, stands: bool) -> None:
-    """A part tips before it slips where its stand ratio is below static friction, of 0.35 to 0.45."""
-    asked = question(KINDS[kind])
-    spec = read_spec({**asked, "part": {"half_base_mm": half_base, "centre_height_mm": 10}})
-    one = Question(spec, spec.drives[0], Regime.BACK_SLIP)
-    finder = find(one, {}, 9, until="gentlest")
-    assert bool(finder.found) == stands
-    if not stands:
-        assert finder.row("fastest").set_by == "tip"
-        return
-    assert (finder.row("gentlest"), finder.row("fastest")) == designs_of(kind)
-    fastest = replace(finder.row("fastest"), design="safest")
-    chosen = chosen_of(spec, DesignResult(True, (fastest,), (finder.found["fastest"].setting,)))
-    assert chosen is not None
-    assert 1.0 < setting_fields(spec, chosen).tips < math.inf
 
 
 def test_a_speed_that_does_not_depend_on_the_scale_takes_no_more_scales(

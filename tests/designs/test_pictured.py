@@ -91,9 +91,7 @@ def test_loads_at_which_regimes_begin() -> None:
     assert begins[Regime.HOPPING] == pytest.approx((1.0 / math.sin(ANGLE),) * 2, rel=1e-9)
 
 
-@pytest.mark.parametrize(
-    "limits", [("impact_speed_mm_s",), ("impact_speed_mm_s", "flight_fraction")]
-)
+@pytest.mark.parametrize("limits", [("impact_speed_mm_s",), ("impact_speed_mm_s", "flight_fraction")])
 def test_landings_are_shown_where_they_have_a_limit(limits: tuple[str, ...]) -> None:
     """Of the drift of a load the lowest frequency lands hardest."""
     goal = {"speed_mm_s": 5, "highest_regime": "hopping"} | dict.fromkeys(limits, 0.5)

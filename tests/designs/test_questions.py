@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -14,12 +13,11 @@ from helpers.questions import answered
 
 import vibro
 from vibro import Regime
-from vibro.designs import machine_drives
-from vibro.designs.design import chosen_of, find_designs
+from vibro.designs.design import chosen_of
 from vibro.designs.proofs import corners
 from vibro.designs.questions import Question
 from vibro.designs.reading import read_spec
-from vibro.designs.rows import KINDS, Rounded
+from vibro.designs.rows import KINDS
 from vibro.designs.spaces import SPACES, Setting
 from vibro.results.designs import Design
 
@@ -153,71 +151,7 @@ def test_bodies_of_an_ellipse_that_break_a_constraint_are_slowest(
     assert speeds.tolist() == [[solved if allowed else -math.inf]]
 
 
-class Known:
-    """A finder that finds designs of known speeds, and records what it is given."""
-
-    def __init__(self, speeds: dict[tuple[str, Regime], float]) -> None:
-        self.speeds = speeds
-        self.asked: list[Any] = []
-
-    def __call__(self, question: Question, calmer: Any, digits: int, tell: Any) -> Any:
-        place = question.drive.name, question.highest
-        tell("gentlest")
-        self.asked.append((*place, dict(calmer)))
-        speed = self.speeds.get(place)
-        bounds: Any = None
-        found = Rounded(line(1e-3 * (1 + question.highest)), (), bounds)
-        designs = {} if speed is None else dict.fromkeys(KINDS, found)
-
-        def row(kind: str) -> Design:
-            return Design(drive=place[0], highest_regime=place[1].label, design=kind, speed_min_mm_s=speed)
-
-        return SimpleNamespace(question=question, found=designs, row=row)
-
-
 TWO = {**LINE, "drive": [{**LINE["drive"][0], "name": name} for name in "ab"]}
-
-
-REGIMES = [Regime.FORWARD_SLIP, Regime.BACK_SLIP, Regime.HOPPING]
-
-
-def test_every_regime_takes_over_the_designs_of_the_lower_one(monkeypatch: pytest.MonkeyPatch) -> None:
-    known = Known({(name, regime): 4.0 for name in "ab" for regime in REGIMES[1:]})
-    monkeypatch.setattr(machine_drives, "find", known)
-    result = find_designs(read_spec(TWO))
-    calmer = {(name, regime): found for name, regime, found in known.asked}
-    assert len(calmer) == len(known.asked) == 6
-    for name in "ab":  # a drive begins anew
-        assert [bool(calmer[name, regime]) for regime in REGIMES] == [False, False, True]
-    amplitude = calmer["a", Regime.HOPPING]["safest"].setting[0] / line(1e-3)[0]
-    assert amplitude == pytest.approx(3.0)
-    assert not result.met
-
-
-def test_the_goals_regime_is_searched_and_told_first(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Beside lower ones, whose designs are candidates; designs of each regime come with their settings."""
-    known = Known({(name, regime): 4.0 for name in "ab" for regime in REGIMES[1:]})
-    monkeypatch.setattr(machine_drives, "find", known)
-    progress: list[tuple[int, int, str]] = []
-    result = find_designs(read_spec(TWO), lambda *done: progress.append(done))
-    low, goal, high = REGIMES
-    searched = [("a", low), ("a", goal), ("b", low), ("b", goal), ("a", high), ("b", high)]
-    assert [(name, highest) for name, highest, _ in known.asked] == searched
-    words = {low: "forward-slip at most", goal: "back-slip at most", high: "hopping allowed"}
-    assert progress == [
-        *(
-            (3 * i + 1, 18, f"{name}: gentlest, {words[highest]}")
-            for i, (name, highest) in enumerate(searched)
-        ),
-        (18, 18, ""),
-    ]
-    told = [("a", goal), ("b", goal), ("a", low), ("a", high), ("b", low), ("b", high)]
-    assert [(d.drive, d.highest_regime, d.design) for d in result.designs] == [
-        (name, highest.label, kind) for name, highest in told for kind in KINDS
-    ]
-    settings = [None if s is None else s[0] / line(1e-3)[0] for s in result.settings]
-    sizes = {low: None, goal: 3.0, high: 4.0}
-    assert settings == pytest.approx([sizes[highest] for _, highest in told for _ in KINDS])
 
 
 @pytest.mark.parametrize(

@@ -221,17 +221,6 @@ def test_hops_of_ellipses_are_followed_but_for_slivers() -> None:
     assert agree == 3
 
 
-def test_bounces_of_ellipses_hold_at_their_ends() -> None:
-    scan = ellipse(8, 4.0, restitution=0.3)
-    limit = float(scan.amplitudes[-1])
-    speed = 0.5 * fastest(scan.speeds(scan.amplitudes[::40]))
-    found = feasible_amplitudes(scan.scene, speed, highest_regime="hopping", limit=limit)
-    assert len(found) > 10
-    for i in found:
-        assert np.all(scan.speeds(i[:2]) >= speed)
-        assert i.low_set_by != "limit"
-
-
 def test_an_ellipse_may_throw_bodies_forward_that_do_not_slip_forward(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

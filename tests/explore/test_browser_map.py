@@ -74,6 +74,7 @@ def test_a_hand_moves_the_operating_point(nut: Page) -> None:
 
 
 def test_cells_have_colours_and_a_tip_and_keys_move_the_point(nut: Page) -> None:
+    expect(nut.locator("#frame")).not_to_contain_text("preview")
     for u, v, regime in (
         (0.02, 0.02, Regime.NO_SLIP),
         (0.9, 0.9, Regime.HOPPING),

@@ -238,13 +238,14 @@ def test_a_link_to_another_motion_is_refused(ask: Callable[..., list[Any]]) -> N
 
 def test_a_clamped_part_may_hang_and_is_not_lifted(ask: Callable[..., list[Any]]) -> None:
     hung = {"x": "trough_angle_deg", "x_range": "-90:90", "trough_angle_deg": "90"}
-    asked = (1, hung), (0, hung), (1, {}), (1, {"drive": "ellipse", "trough_angle_deg": "0"})
-    clamped, free, start, ellipse = ask(*(["stateOf", "DATA", *one] for one in asked))
+    ellipse = {"drive": "ellipse", "trough_angle_deg": "0"}
+    asked: list[tuple[int, dict[str, str]]] = [(1, hung), (0, hung), (1, {}), (1, ellipse)]
+    clamped, free, start, oval = ask(*(["stateOf", "DATA", *one] for one in asked))
     assert clamped["problems"] == []
     assert free["problems"][0]["text"].endswith("must be in (-90, 90) deg")
     values = start["state"]["values"]
     assert (values["along_amplitude_3"], values["normal_acceleration"]) == (0.1, 20.0)
-    assert "normal_acceleration" not in ellipse["state"]["values"]
+    assert "normal_acceleration" not in oval["state"]["values"]
 
 
 def test_axes_go_with_their_drive_and_ranges_with_their_axes(ask: Callable[..., list[Any]]) -> None:
