@@ -1,21 +1,17 @@
-"""Give sphinx-gallery the pictures of a page: the figure of its script, else those that its command writes.
+"""Give sphinx-gallery the picture of a page: the figure of its script.
 
 A page has its command in a ``bash`` block and names the pictures that this writes: ``out/nut-regime.png``.
-The command runs in a folder that has the examples. vibro's figures know no pyplot, where sphinx-gallery
-would look for them: a script calls its figure ``figure``. A page whose picture Python cannot make shows it
-below the command: ``/gallery/images/sphx_glr_plot_history_001.png``.
+vibro's figures know no pyplot, where sphinx-gallery would look for them: a script calls its own ``figure``.
 """
 
 from __future__ import annotations
 
 import ast
 import re
-import shutil
-import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from commands import DOCS, SHELL, copy_examples, output_of
+from commands import DOCS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -25,9 +21,9 @@ BLOCK: Final = re.compile(r"^\.\. code-block:: bash\n\n((?:    .*\n)+)", re.MULT
 # Of the pages, by the names of their scripts.
 ORDER: Final = (
     "regimes", "speed", "traverse_time", "impact", "flight", "irregular", "climbing", "frictions",
-    "friction_band", "phase", "any_motion", "target_speed", "facets", "one_axis", "curves",
-    "history", "flights", "trough_path", "compare", "measured_drive", "response",
-    "design_speed", "design_regimes", "design_band", "accuracy",
+    "friction_band", "phase", "any_motion", "facets", "one_axis", "curves",
+    "history", "flights", "trough_path", "compare",
+    "design_speed", "design_regimes", "design_band",
 )  # fmt: skip
 PICTURE: Final = re.compile(r"``(out/[\w-]+\.png)``")
 
@@ -59,21 +55,15 @@ def _seen(script: Path) -> str:
 
 
 def _scrape(block: Any, block_vars: Mapping[str, Any], gallery_conf: Mapping[str, Any]) -> str:
-    """Save the pictures of a page, for its thumbnail too; return what shows the figure of a script."""
+    """Save the picture of a page, for its thumbnail too; return what shows it."""
     places, script = block_vars["image_path_iterator"], Path(block_vars["src_file"])
-    if len(places):
+    figure = block_vars["example_globals"].get("figure")
+    if len(places) or figure is None:
         return ""
-    if figure := block_vars["example_globals"].get("figure"):
-        path = Path(next(places))
-        figure.savefig(path)
-        shown = path.relative_to(gallery_conf["src_dir"]).as_posix()
-        return f".. image:: /{shown}\n   :alt: {_seen(script)}\n\n"
-    with tempfile.TemporaryDirectory() as folder:
-        copy_examples(Path(folder))
-        output_of([*SHELL, commands_of(script)], script, Path(folder))
-        for name in pictures_of(script):
-            shutil.copyfile(Path(folder, name), Path(next(places)))
-    return ""
+    path = Path(next(places))
+    figure.savefig(path)
+    shown = path.relative_to(gallery_conf["src_dir"]).as_posix()
+    return f".. image:: /{shown}\n   :alt: {_seen(script)}\n\n"
 
 
 def _get_sg_image_scraper() -> Callable[..., str]:

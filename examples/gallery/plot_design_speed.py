@@ -9,15 +9,9 @@ what meets the goal. The circle is the safest design. File: ``out/design-speed.p
 .. code-block:: bash
 
     vibro design examples/design_nut.toml -o out/design
-
-.. image:: /gallery/images/sphx_glr_plot_design_speed_001.png
-   :alt: Settings that meet a goal. Friction is known as a band, and every part has to make 30 mm/s
-      without slipping back.
 """
-
-# %%
-# In Python:
 
 import vibro
 
-vibro.design("../design_nut.toml", only="goal")
+designs = vibro.design("../design_nut.toml", only="goal")
+figure = designs.draw("speed")

@@ -10,15 +10,7 @@ friction are narrow while it slides forward, and wide while it slides back. File
 
     vibro simulate along=1 normal=.3 phase=-60 -f 25 --mu-s .4 --mu-d .3 --cycles 4 \
       -o out/ellipse
-
-.. image:: /gallery/images/sphx_glr_plot_trough_path_001.png
-   :alt: Path of the trough. Where the trough moves along an ellipse, its path is drawn below the motion,
-      and coloured by what the part does: it slides forward (blue) on the upper way and back (yellow) on
-      the lower one.
 """
-
-# %%
-# In Python:
 
 import math
 
@@ -32,4 +24,4 @@ scene = vibro.Scene(
     static_friction=0.4,
     kinetic_friction=0.3,
 )
-vibro.simulate(scene, cycles=4).to_frame()[["phase", "start_s", "end_s"]]
+figure = vibro.simulate(scene, cycles=4).draw()

@@ -5,6 +5,7 @@ The public names load their modules on first use, so that ``vibro --help`` impor
 
 from __future__ import annotations
 
+from vibro.results.drawing import drawings_are_found_by
 from vibro.version import __version__ as __version__
 
 TYPE_CHECKING = False  # typing and importlib take time in which a run could not be interrupted properly
@@ -37,6 +38,8 @@ if TYPE_CHECKING:
     from vibro.motion.attractors import attractors as attractors
     from vibro.motion.histories import arrival_time as arrival_time
     from vibro.motion.histories import simulate as simulate
+    from vibro.records.comparison import Comparison as Comparison
+    from vibro.records.measurement import compare as compare
     from vibro.records.speeds import SpeedFit as SpeedFit
     from vibro.records.speeds import fit_speeds as fit_speeds
     from vibro.records.trough import MeasuredMotion as MeasuredMotion
@@ -48,6 +51,7 @@ if TYPE_CHECKING:
     from vibro.results.designs import DesignResult as DesignResult
     from vibro.results.designs import Guarantee as Guarantee
     from vibro.results.designs import Interval as Interval
+    from vibro.results.drawing import Drawing
     from vibro.results.history import History as History
     from vibro.results.operating import Filling as Filling
     from vibro.results.steady import SteadyCycle as SteadyCycle
@@ -75,6 +79,8 @@ _HOMES = {
         ("machines.operating", "OperatingPoints operate operating_points"),
         ("motion.attractors", "attractors"),
         ("motion.histories", "arrival_time simulate"),
+        ("records.comparison", "Comparison"),
+        ("records.measurement", "compare"),
         ("records.speeds", "SpeedFit fit_speeds"),
         ("records.trough", "MeasuredMotion measured_motion trough_motion"),
         ("results.attractors", "Attractor Attractors"),
@@ -91,6 +97,15 @@ _HOMES = {
     for name in names.split()
 }
 __all__ = [*_HOMES]
+
+
+def _drawing(kind: str) -> Drawing:
+    from vibro.answers.drawing import DRAWINGS
+
+    return DRAWINGS[kind]
+
+
+drawings_are_found_by(_drawing)
 
 
 def __getattr__(name: str) -> Any:

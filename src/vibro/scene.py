@@ -389,3 +389,24 @@ def check_single(scene: Scene) -> None:
 
 
 _SI_DEFAULTS: Final = {name: QUANTITIES[name].to_si(value) for name, value in DEFAULTS.items()}
+
+
+def values_of(scene: Scene) -> dict[str, float]:
+    """Return the quantities of a single scene in the units outside, those of each harmonic too."""
+    values = {
+        name: float(QUANTITIES[name].from_si(value))
+        for name, value in vars(scene).items()
+        if name in QUANTITIES and value is not None
+    }
+    return values | (harmonic_values(scene.motion) if isinstance(scene.motion, HarmonicMotion) else {})
+
+
+def harmonic_values(motion: HarmonicMotion) -> dict[str, float]:
+    """Return the quantities of harmonics that samples were fitted by, in the units outside."""
+    return {
+        name: float(QUANTITIES[name].from_si(value))
+        for way, pairs in (("along", motion.along), ("normal", motion.normal))
+        for n, pair in enumerate(pairs, 1)
+        for of, value in zip((f"{way}_amplitude", f"{way}_phase"), pair, strict=True)
+        for name in [of if n == 1 else f"{of}_{n}"]
+    }

@@ -301,7 +301,7 @@ def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_the_example_is_answered_in_settings_on_the_command_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("vibro.cli.design._figures", lambda *_: {})  # drawn below
+    monkeypatch.setattr("vibro.answers.drawing.design_pictures", lambda *_: {})  # drawn below
     run = CliRunner().invoke(app, ["design", str(EXAMPLE), "-o", f"{tmp_path}/"])
     assert run.exit_code == 0, run.output
     assert "met by feeder (6 leaves)" in " ".join(run.stdout.split())

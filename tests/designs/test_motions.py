@@ -302,7 +302,7 @@ def servo(brief: None, tmp_path_factory: pytest.TempPathFactory) -> Servo:
         return found[0]
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("vibro.cli.design._figures", lambda *_: {})
+        patch.setattr("vibro.answers.drawing.design_pictures", lambda *_: {})
         patch.setattr("vibro.designs.design.find_designs", kept)
         run = CliRunner().invoke(app, ["design", str(asked), "-o", f"{folder}/"])
     assert run.exit_code == 0, run.output

@@ -9,9 +9,10 @@ from helpers.scenes import NUT_POINT
 
 from vibro import Motion
 from vibro.drives import HarmonicMotion, PiecewiseMotion
-from vibro.explore.scenes import harmonic_values, pieces_data
+from vibro.explore.scenes import pieces_data
 from vibro.files.motions import GivenMotion
 from vibro.quantities import LINEAR, QUANTITIES
+from vibro.scene import harmonic_values
 from vibro.sweeps.grid import Grid
 
 

@@ -58,6 +58,8 @@ def test_no_window_is_asked_for_and_other_pictures_have_their_backend() -> None:
         "import sys, vibro\n"
         "given = dict(frequency_hz=15, drive_angle_deg=20, static_friction=0.7, kinetic_friction=0.5)\n"
         "vibro.sweep(amplitude_mm='0.1:3:5', **given).draw('speed')\n"
+        "scene = dict(frequency=15, drive_angle=0.3, static_friction=0.7, kinetic_friction=0.5)\n"
+        "vibro.simulate(vibro.Scene(amplitude=1e-3, **scene), cycles=3).draw()\n"
         "print([m for m in ('matplotlib.pyplot', 'tkinter', 'PyQt6') if m in sys.modules])\n"
         "import matplotlib; print(matplotlib.rcParams['axes.grid'], matplotlib.get_backend())\n"
     )

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from vibro.answers.drawing import history_picture
 from vibro.axes import Axis
 from vibro.core.codes import Status
 from vibro.errors import VibroError
-from vibro.motion.histories import simulate, trace
+from vibro.motion.histories import simulate
 from vibro.plots import map_figures
-from vibro.plots.history import choose_panels, history_figure
 from vibro.quantities import RATES, SCALE, SWEPT
 from vibro.sweeps.run import sweep_picture
 
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 _AROUND: Final = (0.25, 2.5)  # [1] ends of the map's axes over the scene's own values
 _CYCLES: Final = 3.0  # of the drive that are drawn
 _FOLLOWED: Final = 1000.0  # cycles within which the motion is expected to repeat
-_SAMPLES: Final = 200  # a cycle
 _SIZES: Final = ("setting", "amplitude", *RATES, "along_amplitude", "normal_amplitude", SCALE)
 
 
@@ -74,9 +73,7 @@ def _motion(request: Request, one: OneScene) -> dict[str, Figure]:
     if not steady or not since + _CYCLES * period <= _FOLLOWED * period:
         since, shows = 0.0, "The first three cycles from rest"
     history = simulate(one.scene, cycles=since / period + _CYCLES)
-    phases = [p for p in history.phases if p.end > since]
-    flies = any(p.kind == "H" for p in phases)
-    rows = trace(history, since=since, until=history.end, samples_per_cycle=_SAMPLES, both_sides=True)
-    panels = choose_panels("trough,velocity,position" + ",gap" * flies, flies=flies)
-    title = request.name or "Motion"
-    return {shows: history_figure(phases, rows, panels, title, request.given_values, period=period)}
+    flies = any(p.kind == "H" and p.end > since for p in history.phases)
+    panels = "trough,velocity,position" + ",gap" * flies
+    title, window = request.name or "Motion", (since, history.end)
+    return {shows: history_picture(history, window, title, request.given_values, panels, part="")}

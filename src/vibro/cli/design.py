@@ -11,8 +11,6 @@ from vibro.errors import InputError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from vibro.designs.design import Chosen
-    from vibro.designs.questions import Spec
     from vibro.files.csv_tables import TableColumns
     from vibro.results.designs import DesignResult
 
@@ -46,6 +44,7 @@ def design_command(
     fastest, and the safest. If no drive meets the goal, the closest ones are, and the exit code is 4.
     """
     from vibro.answers.design import design_answer
+    from vibro.answers.drawing import design_pictures
     from vibro.cli.outputs import Outputs
     from vibro.cli.request import whole_number
     from vibro.designs.design import chosen_of, find_designs
@@ -77,7 +76,7 @@ def design_command(
 
         def draw() -> dict[str, Figure]:
             with console.progress("drawing", None):
-                return _figures(spec, chosen)
+                return {} if chosen is None else design_pictures(spec, chosen)
 
         units = {column.name: column.unit for column in result.columns}
         more = {"spec": question, "columns": units}
@@ -91,15 +90,3 @@ def _columns(result: DesignResult) -> TableColumns:
     from vibro.files.csv_tables import column_of
 
     return {c.name: column_of([getattr(design, c.name) for design in result.designs]) for c in result.columns}
-
-
-def _figures(spec: Spec, chosen: Chosen | None) -> dict[str, Figure]:
-    """Draw the pictures of the chosen design; none if nothing is guaranteed anywhere."""
-    if chosen is None:
-        return {}
-    from vibro.answers.design import goal_text
-    from vibro.designs.pictured import setting_fields, speed_band
-    from vibro.plots.design import design_figures
-
-    fields, band = setting_fields(spec, chosen), speed_band(spec, chosen)
-    return design_figures(spec, chosen, fields, band, goal_text(spec, chosen))

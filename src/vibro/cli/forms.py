@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
-#: Endings of pictures, and of what the commands of series write: tables, their description, pictures.
+#: Endings of pictures, as ``vibro.plots`` has them, and of what the commands of series write: tables, their
+#: description, pictures.
 PICTURES: Final = ("png", "svg", "pdf")
 SERIES: Final = ("csv", "json", "html", *PICTURES)
 #: The same of commands whose answers are no pages.

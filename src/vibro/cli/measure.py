@@ -191,12 +191,11 @@ def _write(outputs: Outputs, answer: Answer, m: Measurement, data: Path, request
     from vibro.answers.measurement import scene_file, tables_of
 
     def draw() -> dict[str, Figure]:
-        from vibro.plots.comparison import comparison_figure
+        from vibro.answers.drawing import comparison_picture
 
         if not m.comparison:
             return {}
-        title = f"{answer.title}, computed pattern {m.comparison.motion.pattern}"
-        return {"": comparison_figure(m.comparison, title, request.given_values, m.fitted)}
+        return {"": comparison_picture(m.comparison, answer.title, request.given_values, m.fitted)}
 
     texts = {"toml": lambda _: scene_file(m, data, request)}
     shows = {"": "The part's signals, measured and computed"}

@@ -21,9 +21,6 @@ _CYCLES: Final = 3.0
 _SAMPLES: Final = 200  # a cycle
 _MOST_ROWS: Final = 5_000_000
 _EVENTS: Final = 4  # of a cycle, which have rows of their own
-_DRAWN: Final = 6.0  # cycles at the end of a history, drawn by default
-_MOST_DRAWN: Final = 100.0  # cycles of a picture: of more nobody sees one
-_ROUNDING: Final = 1e-12  # share of a history by which its end, as typed, may lie behind it
 #: Quantities of the body at the start.
 STARTS: Final = (START_PHASE, START_VELOCITY, START_HEIGHT, START_NORMAL_VELOCITY)
 
@@ -112,23 +109,17 @@ def _tables(history: History, samples: int) -> dict[str, TableColumns]:
 
 def _window(begin: str | None, end: str | None, cycles: float, frequency: float) -> tuple[float, float]:
     """Return when the picture begins and ends [s]."""
+    from vibro.answers.drawing import drawn_window
     from vibro.quantities import Quantity, exact_number
     from vibro.units import TIME
 
-    last = cycles / frequency
-    if begin is None and end is None:
-        return max(0.0, last - _DRAWN / frequency), last
-    since = 0.0 if begin is None else float(exact_number(begin, Quantity("from", TIME)))
-    until = last if end is None else float(exact_number(end, Quantity("to", TIME)))
-    given = " ".join(f"{name} {cut(text)}" for name, text in (("--from", begin), ("--to", end)) if text)
-    if not 0.0 <= since < until <= last * (1.0 + _ROUNDING):
-        raise InputError(f"{given}: must ascend within the history, 0 to {last:.6g} s")
-    if (until - since) * frequency > _MOST_DRAWN:
-        raise InputError(
-            f"{given}: {(until - since) * frequency:.6g} drive cycles are too many for a picture",
-            hint=f"draw at most {_MOST_DRAWN:g} of them: {_MOST_DRAWN / frequency:.4g} s",
-        )
-    return since, min(until, last)
+    typed = {"from": begin, "to": end}
+    since, until = (
+        None if text is None else float(exact_number(text, Quantity(name, TIME)))
+        for name, text in typed.items()
+    )
+    given = " ".join(f"--{name} {cut(text)}" for name, text in typed.items() if text)
+    return drawn_window(since, until, cycles / frequency, frequency, given)
 
 
 def _figure(
@@ -140,26 +131,9 @@ def _figure(
     console: Console,
 ) -> Figure:
     """Draw a part of a history."""
-    from vibro.motion.histories import trace
-    from vibro.plots.history import choose_panels, history_figure
+    from vibro.answers.drawing import drawn_part, history_picture
 
-    since, until = window
-    part = _part(since, until, history)
-    if part:
+    if part := drawn_part(*window, history):
         console.echo(f"the picture shows {part}")
-    phases = [p for p in history.phases if p.end > since and p.start < until]
-    seen = choose_panels(panels, flies=any(p.kind == "H" for p in phases))
-    rows = trace(history, since=since, until=until, samples_per_cycle=max(samples, _SAMPLES), both_sides=True)
-    period = 1.0 / float(history.scene.frequency)
-    return history_figure(
-        phases, rows, seen, request.name or "Motion", request.given_values, part, period=period
-    )
-
-
-def _part(since: float, until: float, history: History) -> str:
-    """Say which part of a history is drawn; an empty text for all of it."""
-    frequency = float(history.scene.frequency)
-    first, last, whole = (f"{time * frequency:.4g}" for time in (since, until, history.end))
-    if until < history.end:
-        return f"from {first} to {last} of {whole} drive cycles"
-    return f"the last {(until - since) * frequency:.4g} of {whole} drive cycles" if since else ""
+    title = request.name or "Motion"
+    return history_picture(history, window, title, request.given_values, panels, samples=samples)

@@ -143,7 +143,7 @@ def find_designs(
         d.highest_regime == highest.label and (d.speed_min_mm_s or 0.0) >= SPEED.from_si(spec.goal.speed)
         for d in designs
     )
-    return DesignResult(met, designs, settings, covered if any(covered) else ())
+    return DesignResult(met, designs, settings, covered if any(covered) else (), spec)
 
 
 @dataclass(frozen=True)
@@ -173,8 +173,8 @@ class Chosen:
     costs: dict[str, float | str]
 
 
-def chosen_of(spec: Spec, result: DesignResult) -> Chosen | None:
-    """Return the design that the report shows; None if no design guarantees any speed."""
+def chosen_of(spec: Spec, result: DesignResult, design: Design | None = None) -> Chosen | None:
+    """Return the design that the report shows, or one of the result; None if it guarantees no speed."""
     highest = spec.goal.highest_regime
     # without uncertainty no design is safer than another, and the safest would be the drive's limit
     wanted = "fastest" if not result.met else "safest" if spec.has_bands else "gentlest"
@@ -183,7 +183,8 @@ def chosen_of(spec: Spec, result: DesignResult) -> Chosen | None:
         (d, setting, covering(drive, interval) if interval else drive)
         for drive in spec.drives
         for d, setting, interval in zip(result.designs, result.settings, covered, strict=True)
-        if (d.drive, d.highest_regime, d.design) == (drive.name, highest.label, wanted) and setting
+        if d.drive == drive.name and setting
+        if d is design or (design is None and (d.highest_regime, d.design) == (highest.label, wanted))
     ]
     if not rows:
         return None

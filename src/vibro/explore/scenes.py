@@ -38,7 +38,7 @@ from vibro.quantities import (
     kinetic_friction,
     with_amplitude,
 )
-from vibro.scene import check_single
+from vibro.scene import check_single, harmonic_values, values_of
 from vibro.sweeps.request import RANGES, Request
 
 if TYPE_CHECKING:
@@ -152,13 +152,7 @@ def request_of_scene(scene: Scene) -> Request:
     """
     check_single(scene)
     motion = scene.motion
-    values = {
-        name: float(QUANTITIES[name].from_si(value))
-        for name, value in vars(scene).items()
-        if name in QUANTITIES and value is not None
-    }
-    if isinstance(motion, HarmonicMotion):
-        values |= harmonic_values(motion)
+    values = values_of(scene)
     specs = {name: axis_of(values[name], QUANTITIES[name]) for name in QUANTITIES if name in values}
     given = GivenMotion(_table_of(motion), motion) if isinstance(motion, PiecewiseMotion) else None
     return Request(None, specs, {}, given)
@@ -202,17 +196,6 @@ def _start_of(request: Request) -> _Start:
     if request.motion and isinstance(request.motion.motion, HarmonicMotion):
         fixed |= harmonic_values(request.motion.motion)
     return _Start(point, GIVEN, own_drive, fixed)
-
-
-def harmonic_values(motion: HarmonicMotion) -> dict[str, float]:
-    """Return the quantities of harmonics that samples were fitted by, in the units outside."""
-    return {
-        name: float(QUANTITIES[name].from_si(value))
-        for way, pairs in (("along", motion.along), ("normal", motion.normal))
-        for n, pair in enumerate(pairs, 1)
-        for of, value in zip((f"{way}_amplitude", f"{way}_phase"), pair, strict=True)
-        for name in [of if n == 1 else f"{of}_{n}"]
-    }
 
 
 def _drawn(request: Request) -> list[str]:

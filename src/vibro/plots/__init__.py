@@ -5,15 +5,18 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, Final
 
+from vibro.errors import FileError, InputError, shown
 from vibro.plots.style import house_style, visible
 from vibro.plots.subjects import SUBJECTS
 from vibro.plots.view import choose_view, panels
+from vibro.version import __version__
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
-    from pathlib import Path
+    from os import PathLike
 
     from matplotlib.figure import Figure
 
@@ -24,6 +27,8 @@ _DRAWN: Final = (
     "regime", "mean_velocity", "displacement_per_cycle", "period_cycles", "mean_velocity_error", "coexists",
     "status",
 )  # fmt: skip
+#: Endings of the files of pictures.
+FORMS: Final = ("png", "svg", "pdf")
 #: Names of the pictures of a design.
 DESIGN_PICTURES: Final = ("regime", "speed", "band")
 _IN_PLACE_OF_LIMITS: Final = ("throw_number", "forward_ratio")
@@ -99,6 +104,32 @@ def map_figures(
             figures[name] = map_figure(name, result, [fields for (fields,) in groups], target_speed)
         progress(len(figures), len(names))
     return figures
+
+
+def saver(path: str | PathLike[str] | None) -> Callable[[Figure], Figure]:
+    """Return what writes a figure to a file, if there is one, and returns the figure.
+
+    Raises
+    ------
+    InputError
+        At once, if the ending of the file is not that of a picture.
+    """
+    if path is None:
+        return lambda figure: figure
+    file = Path(path)
+    form = file.suffix[1:].casefold()
+    if form not in FORMS:
+        endings = " or ".join(f".{form}" for form in FORMS)
+        raise InputError(f"path = {shown(str(file))}: must end in {endings}")
+
+    def write(figure: Figure) -> Figure:
+        try:
+            save(figure, file, form, {"Software": f"vibro {__version__}"})
+        except OSError as exc:
+            raise FileError(f"cannot write {file}: {exc.strerror or exc}") from exc
+        return figure
+
+    return write
 
 
 def save(figure: Figure, path: Path | IO[bytes], picture_format: str, metadata: Mapping[str, str]) -> None:

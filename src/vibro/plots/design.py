@@ -12,7 +12,7 @@ import numpy as np
 
 from vibro.axes import Axis
 from vibro.core.codes import Regime, Status
-from vibro.plots import frame, style
+from vibro.plots import DESIGN_PICTURES, frame, style
 from vibro.plots.fields import BEGINS_AT, Fields, clip_line, zero_lines
 from vibro.plots.layers import WHITE, MapLayers
 from vibro.plots.maps import colour_bar, place_words
@@ -21,7 +21,7 @@ from vibro.plots.view import Panel
 from vibro.units import LENGTH
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from matplotlib.figure import Figure
 
@@ -199,7 +199,12 @@ class Settings:
 
 @style.house_style()
 def design_figures(
-    spec: Spec, chosen: Chosen, fields: SettingFields, band: SpeedBand, wanted: str
+    spec: Spec,
+    chosen: Chosen,
+    fields: SettingFields,
+    band: SpeedBand,
+    wanted: str,
+    names: Sequence[str] = DESIGN_PICTURES,
 ) -> dict[str, Figure]:
     """Draw speeds and regimes around a design.
 
@@ -215,6 +220,8 @@ def design_figures(
         At its frequency and drive angle.
     wanted : str
         The goal in words, and whether it is met, for headings.
+    names : sequence of str, optional
+        Those that are drawn.
 
     Returns
     -------
@@ -224,11 +231,12 @@ def design_figures(
         amplitude.
     """
     settings = Settings(spec, chosen, fields, wanted)
-    return {
-        "regime": _map(settings, "Regimes of all parts", _draw_regimes),
-        "speed": _map(settings, "Speed of the slowest part", _draw_speed),
-        "band": _speed_band(settings, band),
+    drawings: dict[str, Callable[[], Figure]] = {
+        "regime": lambda: _map(settings, "Regimes of all parts", _draw_regimes),
+        "speed": lambda: _map(settings, "Speed of the slowest part", _draw_speed),
+        "band": lambda: _speed_band(settings, band),
     }
+    return {name: drawings[name]() for name in names}
 
 
 def _map(settings: Settings, heading: str, draw: Callable[[Figure, MapLayers, Settings], None]) -> Figure:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from vibro.motion.settled import SettledMotion, settled_motion
+from vibro.reals import shielded
 from vibro.records.alignment import (
     Alignment,
     Estimate,
@@ -24,10 +25,15 @@ from vibro.records.alignment import (
 )
 from vibro.records.reading import TOL, doubt, rounded
 from vibro.records.steadiness import change_of, envelope_of
+from vibro.results.drawing import drawn
 from vibro.results.history import Phase
 from vibro.scene import Scene
 
 if TYPE_CHECKING:
+    from os import PathLike
+
+    from matplotlib.figure import Figure
+
     from vibro.reals import Floats
 
 _DERIVATIVES: Final = {"velocity": 1, "displacement": 0, "acceleration": 2}
@@ -55,12 +61,14 @@ class Row(NamedTuple):
     computed: float
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Comparison:
-    """A record beside the model, on the same clock.
+    """A record beside the model, on the same clock; returned by ``vibro.compare``.
 
     Attributes
     ----------
+    scene : Scene
+        That of the model.
     observation : Observation
         The record, relative to the trough.
     motion : SettledMotion
@@ -68,7 +76,8 @@ class Comparison:
     alignment : Alignment
         Trough time of the record's clock.
     rows : tuple of Row
-        Measured and computed quantities.
+        Quantities, each with its ``key``, ``measured.value`` with its standard error ``measured.error``, and
+        ``computed``, in SI units.
     trough_time : array
         Trough time of each sample [s].
     passing : str
@@ -83,6 +92,7 @@ class Comparison:
         The record as it was recorded, in absolute coordinates maybe.
     """
 
+    scene: Scene
     observation: Observation
     motion: SettledMotion
     alignment: Alignment
@@ -93,6 +103,32 @@ class Comparison:
     curve_time: Floats
     curves: Mapping[str, Floats]
     recorded: Observation
+
+    def __repr__(self) -> str:
+        """Return a summary: ``<Comparison of 900 samples, computed pattern F_>``."""
+        return f"<Comparison of {self.trough_time.size} samples, computed pattern {self.motion.pattern}>"
+
+    @shielded
+    def draw(self, path: str | PathLike[str] | None = None) -> Figure:
+        """Draw the record beside the model, as ``vibro measure -o`` does.
+
+        Parameters
+        ----------
+        path : str or path, optional
+            File to write, by its ending: ``.png``, ``.svg`` or ``.pdf``; an existing one is replaced.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            A row for each signal: the first cycles of the record, and all cycles laid on one; no window
+            opens.
+
+        Raises
+        ------
+        InputError, FileError
+            If the file is no picture, or cannot be written.
+        """
+        return drawn(self, path)
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
@@ -165,7 +201,7 @@ def compare(scene: Scene, observation: Observation) -> Comparison:
         rows += _speeds(clocked, motion)
     rows += _misfits(observation, signals)
     passing = "upwards" if scene.amplitude is not None else "forwards" if scene.along_amplitude else ""
-    seen = (observation, motion, alignment, tuple(rows))
+    seen = (scene, observation, motion, alignment, tuple(rows))
     return Comparison(*seen, trough_time, passing, signals, cycle, curves, recorded)
 
 

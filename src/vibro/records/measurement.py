@@ -4,17 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
 from typing import Final
 
 from vibro.errors import InputError, VibroError
+from vibro.reals import shielded
 from vibro.records.alignment import Observation
-from vibro.records.comparison import Comparison, compare
+from vibro.records.comparison import Comparison
+from vibro.records.comparison import compare as compared
 from vibro.records.drive_errors import drive_errors
 from vibro.records.fitting import Fit, check_names, fit
-from vibro.records.reading import Record
+from vibro.records.reading import Record, read_record, read_sensitivities
 from vibro.records.sensors import SensorErrors
+from vibro.records.steadiness import part_of
 from vibro.records.trough import HopOnset, MeasuredMotion, Speeds, TroughDrive, hop_onset, speeds_of
-from vibro.scene import Scene
+from vibro.scene import Scene, check_single
 
 _USUAL: Final = SensorErrors()
 
@@ -120,12 +125,93 @@ def measure(
             frequency_error=error, lowpass=errors.lowpass,
         )  # fmt: skip
         try:
-            comparison = compare(scene, seen)
+            comparison = compared(scene, seen)
         except VibroError as exc:
             if onset is None or isinstance(exc, InputError):
                 raise
             raise InputError(str(exc), hint="without friction the trough alone is measured") from exc
         if names:
             found = fit(scene, seen, names, drive_errors(scene, trough, errors), errors, progress)
-            fitted = compare(found.scene, seen)
+            fitted = compared(found.scene, seen)
     return Measurement(record, trough, onset, speeds, comparison, found, fitted, mass, errors)
+
+
+@shielded
+def compare(
+    scene: Scene,
+    path: str | PathLike[str],
+    *,
+    displacement: str | None = None,
+    velocity: str | None = None,
+    acceleration: str | None = None,
+    friction: str | None = None,
+    time: str | None = None,
+    rate: float | str | None = None,
+    sensitivity: str | Sequence[str] = (),
+    mass: float | None = None,
+    reverse: bool = False,
+    absolute: bool = False,
+    start: float | None = None,
+    end: float | None = None,
+) -> Comparison:
+    """Compare the record of a part with the steady motion of a scene, as ``vibro measure`` does.
+
+    Parameters
+    ----------
+    scene : Scene
+        One operating point, of a trough that moves as it did in the record.
+    path : str or path
+        Text file of columns, with any separator and decimal points or commas.
+    displacement, velocity, acceleration, friction : str, optional
+        Headers of the columns of the part's motion on the trough and of the friction force on it; by default
+        they are found by their units.
+    time : str, optional
+        Header of the time column; by default the only column with a unit of time.
+    rate : float or str, optional
+        Sampling rate, in place of a column of time: in Hz, or with its unit.
+    sensitivity : str or sequence of str
+        Sensitivities of voltages, as of ``vibro.measured_motion``.
+    mass : float, optional
+        Mass of the part, without which forces cannot be compared [kg].
+    reverse : bool
+        Whether the axis of the data points against the conveying direction.
+    absolute : bool
+        Whether the data are over the ground, as on video.
+    start, end : float, optional
+        Part of the record that is taken, on its own clock [s].
+
+    Returns
+    -------
+    Comparison
+        ``rows`` has what was measured beside what is computed, ``warnings`` reasons to doubt it, and
+        ``draw()`` shows both.
+
+    Raises
+    ------
+    FileError
+        If the file cannot be read.
+    InputError
+        If columns are missing or wrong, or the record is too short or sampled too coarsely.
+    SceneError
+        If it is more than one scene.
+    VibroError
+        If the scene has no steady motion.
+
+    Examples
+    --------
+    >>> import math, vibro
+    >>> nut = vibro.read_scene("examples/safety_nut.toml")
+    >>> found = vibro.compare(nut, "examples/data/nut_smoothed_600hz.csv")
+    >>> for row in found.rows[:2]:
+    ...     print(row.key, f"{1e3 * row.measured.value:.3f} {1e3 * row.computed:.3f}")
+    """
+    check_single(scene)
+    given = {
+        "displacement": displacement, "velocity": velocity, "acceleration": acceleration,
+        "friction": friction, "time": time,
+    }  # fmt: skip
+    columns = {name: text for name, text in given.items() if text is not None}
+    texts = [sensitivity] if isinstance(sensitivity, str) else sensitivity
+    record = part_of(read_record(Path(path), columns, read_sensitivities(texts), rate=rate), start, end)
+    seen = Observation.of(record, float(scene.frequency), mass=mass, reverse=reverse, absolute=absolute)
+    return compared(scene, seen)

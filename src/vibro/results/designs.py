@@ -5,15 +5,19 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, fields
 from functools import partial
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, Literal, NamedTuple
 
 from vibro.html_tables import Shown, amount
 from vibro.quantities import BY_COLUMN, QUANTITIES
-from vibro.reals import rounded
+from vibro.reals import rounded, shielded
+from vibro.results.drawing import drawn
 from vibro.units import SPEED
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+    from os import PathLike
+
+    from matplotlib.figure import Figure
 
     from vibro.core.codes import Regime
     from vibro.reals import Floats
@@ -321,12 +325,50 @@ class DesignResult(Shown):
     covered : tuple of pair of float, or None
         For each design of a machine the smallest and the largest amplitude that it covers, over that of the
         empty trough [1]; an empty tuple without machines.
+    spec : object
+        The checked question, from which the designs are drawn.
     """
 
     met: bool
     designs: tuple[Design, ...]
     settings: tuple[tuple[float, ...] | None, ...]
     covered: tuple[tuple[float, float] | None, ...] = ()
+    spec: Any = field(default=None, repr=False)
+
+    @shielded
+    def draw(
+        self,
+        name: Literal["speed", "regime", "band"] = "speed",
+        path: str | PathLike[str] | None = None,
+        *,
+        design: Design | None = None,
+    ) -> Figure:
+        """Draw what the settings around a design do to all parts, as ``vibro design -o`` does.
+
+        Parameters
+        ----------
+        name : {"speed", "regime", "band"}, optional
+            The speed of the slowest part over amplitude and frequency, with the settings that meet the goal;
+            the regimes of all parts; or the speeds of all parts over the amplitude.
+        path : str or path, optional
+            File to write, by its ending: ``.png``, ``.svg`` or ``.pdf``; an existing one is replaced.
+        design : Design, optional
+            One of ``designs``. By default the safest of all drives; the gentlest where every value is known
+            exactly, and the fastest where no drive meets the goal.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            No window opens.
+
+        Raises
+        ------
+        InputError
+            If there is no such picture, or the design guarantees no speed.
+        FileError
+            If the file cannot be written.
+        """
+        return drawn(self, name, path, design=design)
 
     @property
     def columns(self) -> tuple[_DesignColumn, ...]:

@@ -5,6 +5,7 @@
     history.sample(times)                         # Sample: arrays of motion and forces at those times
     history.sample(times, side="left")            # the values just before, where a time is that of an event
     history.to_frame()                            # the phases as a data frame
+    history.draw("history.png")                   # forces and motion over time, as a figure
     history.end, history.settles_at, history.pattern, history.cycle_displacement
 
 Each phase has a closed form; no differential equation is integrated numerically. Once the motion repeats,
@@ -27,13 +28,16 @@ from vibro.drives import PiecewiseMotion
 from vibro.errors import InputError, VibroError, cut, shown
 from vibro.html_tables import Shown, amount
 from vibro.reals import NotRealError, real_array, shielded
+from vibro.results.drawing import drawn
 from vibro.threads import doors
 from vibro.units import LENGTH
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from os import PathLike
 
     import pandas as pd
+    from matplotlib.figure import Figure
     from numpy.typing import ArrayLike, NDArray
 
     from vibro.reals import Floats
@@ -393,6 +397,43 @@ class History(Shown):
         import pandas as pd
 
         return pd.DataFrame(phase_table(self, self.phases))
+
+    @shielded
+    def draw(
+        self,
+        path: str | PathLike[str] | None = None,
+        *,
+        start: float | None = None,
+        end: float | None = None,
+        panels: str | None = None,
+    ) -> Figure:
+        """Draw the trough, the forces, and the motion relative to the trough, as ``vibro simulate -o`` does.
+
+        Parameters
+        ----------
+        path : str or path, optional
+            File to write, by its ending: ``.png``, ``.svg`` or ``.pdf``; an existing one is replaced.
+        start, end : float, optional
+            When the picture begins and ends; by default it has the last six drive cycles [s].
+        panels : str, optional
+            Some of ``trough,forces,acceleration,velocity,position,gap``; by default all, the gap only if the
+            body leaves the trough.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Panels above each other over one time axis; below them the path of an elliptical drive. No window
+            opens.
+
+        Raises
+        ------
+        InputError
+            If a time lies outside the history, the picture would have more than 100 drive cycles, or a panel
+            is unknown.
+        FileError
+            If the file cannot be written.
+        """
+        return drawn(self, path, start=start, end=end, panels=panels)
 
     @shielded
     def sample(self, times: ArrayLike, side: Literal["left", "right"] = "right") -> Sample:

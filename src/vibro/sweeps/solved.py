@@ -12,7 +12,7 @@ from vibro.axes import axis_of
 from vibro.core.codes import Output
 from vibro.errors import InputError, did_you_mean, shown
 from vibro.html_tables import Shown, amount
-from vibro.quantities import BY_COLUMN, QUANTITIES, find_quantity, quantity_meant
+from vibro.quantities import BY_COLUMN, LEAST_SPEED, QUANTITIES, checked_number, find_quantity, quantity_meant
 from vibro.reals import shielded
 from vibro.sweeps.run import solved_picture
 
@@ -77,6 +77,8 @@ class SolvedGrid(Shown, ABC):
         x: str | None = None,
         y: str | None = None,
         at: Mapping[str, float] | None = None,
+        target_speed: float | str | None = None,
+        path: str | os.PathLike[str] | None = None,
     ) -> Figure:
         """Draw a picture of the cells; ``vibro map`` solves more cells for finer pictures.
 
@@ -93,11 +95,15 @@ class SolvedGrid(Shown, ABC):
             Horizontal and vertical axis, by key, name or letter (``"amplitude_mm"``, ``"A"``).
         at : mapping of str to float or str, optional
             Values of the axes that are fixed, by the same names; each must be one of the axis's values.
+        target_speed : float or str, optional
+            A speed that stands out in the picture of speeds: in mm/s, or with its unit.
+        path : str or path, optional
+            File to write, by its ending: ``.png``, ``.svg`` or ``.pdf``; an existing one is replaced.
 
         Returns
         -------
         matplotlib.figure.Figure
-            ``figure.savefig(path)`` writes it; no window opens. Of a range with at least twice as many values
+            No window opens. Of a range with at least twice as many values
             as a picture resolves (301 in a map, 161 in several maps, 4001 in a curve), every second, third
             ... value is shown.
 
@@ -105,10 +111,14 @@ class SolvedGrid(Shown, ABC):
         ------
         InputError
             If this sweep has no such picture, axis or value.
+        FileError
+            If the file cannot be written.
         """
-        from vibro.plots import map_figures
+        from vibro.plots import map_figures, saver
 
-        grid = self._grid
+        write, grid = saver(path), self._grid
+        if target_speed is not None:
+            target_speed = checked_number(f"{target_speed}", LEAST_SPEED)
         if not self.shape:
             raise _no_picture(name, "there are none")
         view, _ = view_of(grid, x, y, (at or {}).items())
@@ -119,7 +129,8 @@ class SolvedGrid(Shown, ABC):
                 name, "give trough_length_mm" if name == "traverse" and not grid.length else hint
             )
         result = solved_picture(grid, view.drawn, self._own, self._title, [name], self._cells)
-        return map_figures(result, [name], x=view.x.name, y=view.y.name if view.y else None)[name]
+        y = view.y.name if view.y else None
+        return write(map_figures(result, [name], x=view.x.name, y=y, target_speed=target_speed)[name])
 
     @abstractmethod
     def _summary(self) -> list[tuple[str, str]]:
