@@ -104,7 +104,7 @@ def design_answer(
     facts += [*_chosen(spec, result, chosen), *_given(question)]
     choices = [{"drive": drive.name, **drive.chosen_from} for drive in spec.drives]
     record = {"met": result.met, "chosen": found, "choices": choices, **result.to_dict()}
-    return Answer(facts, [table for table in tables if table.rows], _notes(result), record, spec.name)
+    return Answer(facts, [table for table in tables if table.rows], _notes(spec, result), record, spec.name)
 
 
 def _goal(spec: Spec) -> str:
@@ -303,15 +303,19 @@ def _costs(chosen: Chosen) -> Table:
     return Table("costs", columns, rows, f"Each input 1 % larger, angles by 1 deg{bounces}", is_rare=True)
 
 
-def _notes(result: DesignResult) -> list[str]:
+def _notes(spec: Spec, result: DesignResult) -> list[str]:
     """Explain where no speed is guaranteed, the proofs, and the doubts."""
     lines = []
+    known = {design.drive for design in result.designs if design.frequency_hz is not None}
+    # a drive with a table says in its title what may be chosen
+    asked = {drive.name: f" ({_choices(drive)})" for drive in spec.drives if drive.name not in known}
     for design in result.designs:
         if design.design == "fastest" and design.frequency_hz is None:
             # a search that the filling ends has not shown that there is none
             why = "none was found that holds" if design.set_by == "filling" else "no speed is guaranteed"
             by = f", set by {design.set_by}" if design.set_by else ""
-            lines.append(f"{design.drive}, {_ALLOWED[design.highest_regime]}: {why}{by}")
+            drive = f"{design.drive}{asked.get(design.drive, '')}"
+            lines.append(f"{drive}, {_ALLOWED[design.highest_regime]}: {why}{by}")
     proofs = {d.proof for d in result.designs}
     lines += [f"{name}: {text}" for name, text in _PROOFS.items() if name in proofs]
     if any(d.restitution_assumed for d in result.designs):
