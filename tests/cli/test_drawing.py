@@ -60,9 +60,12 @@ def test_a_result_draws_what_its_command_writes(
     run: Run, designs: vibro.DesignResult, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     written: list[dict[str, Any]] = []
-    monkeypatch.setattr(
-        "vibro.plots.save", lambda figure, path, *_: (written.append(seen_in(figure)), path.touch())
-    )
+
+    def save(figure: Figure, path: Path, *_: Any) -> None:
+        written.append(seen_in(figure))
+        path.touch()
+
+    monkeypatch.setattr("vibro.plots.save", save)
     part = ("--from", 0.1, "--to", 0.3, "--panels", "forces,velocity")
     pictures: dict[tuple[Any, ...], list[Callable[[], Figure]]] = {
         ("simulate", NUT): [nut().draw],
@@ -85,7 +88,7 @@ def test_another_design_is_drawn_where_it_is_asked_for(designs: vibro.DesignResu
         figure = designs.draw("band", design=design)
         lines = [line for axes in figure.axes for line in axes.lines]
         marks = [line.get_xdata() for line in lines if line.get_marker() == "o"]
-        assert any(np.allclose(x, design.amplitude_mm, rtol=1e-9) for x in marks), design
+        assert any(x == pytest.approx([design.amplitude_mm]) for x in marks), design
     with pytest.raises(vibro.InputError, match="must be one of designs, and guarantee a speed"):
         designs.draw(design=replace(designs.designs[0]))
 
@@ -93,7 +96,7 @@ def test_another_design_is_drawn_where_it_is_asked_for(designs: vibro.DesignResu
 def test_the_speed_that_is_wanted_stands_out_in_a_sweep() -> None:
     sweep = vibro.sweep(NUT, amplitude_mm="0.1:3:41", frequency_hz=15)
     heights = [
-        {float(line.get_ydata()[0]) for line in axes.lines if len({*np.asarray(line.get_ydata())}) == 1}
+        {y.item(0) for line in axes.lines if np.ptp(y := np.asarray(line.get_ydata(), float)) == 0.0}
         for axes in (sweep.draw("speed").axes[-1], sweep.draw("speed", target_speed="1.2m/min").axes[-1])
     ]
     assert heights[1] - heights[0] == {20.0}
