@@ -154,6 +154,9 @@ def test_the_search_finds_words_and_is_accessible(site: Path, window: WebPage, a
         "traverse": "vibro traverse-time",
         "smartphone": "My phone on the trough: what does it do?",
         "stopwatch": "I have a stopwatch: what is my friction?",
+        "inches": "Units",
+        "animation": "The explorer: a map that moves under one's hand",
+        "polyurethane": "Which restitution?",
     }
     for word, title in found.items():
         window.goto(f"{(site / 'search.html').as_uri()}?q={word}")

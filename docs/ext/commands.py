@@ -37,7 +37,10 @@ def pages() -> dict[Path, tuple[str, ...]]:
     """Return the pages that run, and the kinds of their blocks that do."""
     tasks = sorted({*DOCS.glob("tasks/*.md")} - {DOCS / "tasks" / "index.md"})
     tour = [DOCS.parent / "README.md", DOCS / "index.md", *sorted(DOCS.glob("guide/tour*.md"))]
-    guides = [page for page in sorted(DOCS.glob("guide/*.md")) if "```console" in page.read_text("utf-8")]
+    others = {*tour, DOCS / "guide" / "scale.md"}  # whose scripts tests/tables run
+    guides = [
+        page for page in sorted({*DOCS.glob("guide/*.md")} - others) if BLOCK.search(page.read_text("utf-8"))
+    ]
     return dict.fromkeys([*tasks, *guides], KINDS) | dict.fromkeys(tour, ("console", "python"))
 
 

@@ -34,11 +34,12 @@ if TYPE_CHECKING:
 
 UNITS = """\
 Options, axes of scene files and arguments of `vibro.sweep` take numbers with these units. Capital and small
-letters are the same; `um` may be written with either micro sign. Frictions and the restitution are pure
-numbers. The amplitude of a line may have the unit of its largest acceleration or speed, from which it follows
-at the frequency: `-A 4g` (of 9.80665 m/s², whatever the gravity of the scene), `-A 110mm/s`; with `rms` after
-the unit it is the rms value of the sine: `"110mm/s rms"`, `"0.7mm rms"`; `peak` changes nothing.
-`--stroke 4g` is from peak to peak, an amplitude of 2 g."""
+letters are the same; `um` may be written with either micro sign. Inches are `in`, feet `ft`:
+`-A 0.04in`; answers are in the units of the second column. Frictions and the restitution are pure numbers.
+The amplitude of a line may have the unit of its largest acceleration or speed, from which it follows at the
+frequency: `-A 4g` (of 9.80665 m/s², whatever the gravity of the scene), `-A 110mm/s`; with `rms` after the
+unit it is the rms value of the sine: `"110mm/s rms"`, `"0.7mm rms"`; `peak` changes nothing. `--stroke 4g` is
+from peak to peak, an amplitude of 2 g."""
 STATUSES = """\
 Every cell has one status. [Chapter 7 of the theory](../theory/07-special-cases.md) says when each occurs."""
 EXIT_CODES = """\
