@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from vibro.cli.exit_codes import ExitCode
 from vibro.core.codes import Status
+from vibro.files.descriptions import SCENE_FILE
 from vibro.quantities import HARMONIC, MASS, QUANTITIES, SWEPT
 from vibro.results.designs import DESIGN_COLUMNS
 from vibro.results.operating import BENT_SPEED, MACHINE_RESULTS, WEIGHED
@@ -87,8 +88,11 @@ ELSEWHERE = (
 HEADER = "| column, name in Python | meaning | symbol |"
 NOMINAL = {ACCELERATION.column, *(q.column for q in QUANTITIES.values())}
 """Columns that designs have like other tables."""
-MOTION = "| `Scene.motion` | any periodic motion: harmonics, steps or samples, a `Motion` | - |"
-"""The field of a scene that is no quantity."""
+INPUTS = """\
+[Scene files](scene-files.md) explain all but these, which are no keys:
+
+- `Scene.motion`: any periodic motion, a `Motion`.
+"""
 SYNONYMS = {
     "amplitude_mm": "$r$, $X_0$, $e$ (eccentricity); half of *Schwingweite* or *Hub*",
     "stroke_mm": "peak-to-peak, $A_{pp}$, $2r$; *Schwingweite*, *Hub*",
@@ -116,10 +120,10 @@ SYNONYMS = {
 """What others write for the same, by column."""
 
 
-def _row(symbol: str, name: str, column: str, meaning: str) -> str:
+def _row(symbol: str, name: str, column: str, *meaning: str) -> str:
     shown = f"${symbol}$" if symbol else "-"
     names = f"`{column}`<br>`{name}`" if name else f"`{column}`"
-    return f"| {names} | {meaning} | {shown} |"
+    return f"| {' | '.join((names, *meaning, shown))} |"
 
 
 def _units() -> list[str]:
@@ -155,18 +159,21 @@ def _shared(columns: Iterable[tuple[str, str]]) -> list[str]:
     return rows
 
 
-def _columns() -> list[list[str]]:
+def _inputs() -> list[str]:
+    """Make a row an input; those that no scene file has are explained, the keys of these files are there."""
     inputs = [
-        _row(
-            q.symbol,
-            f"Scene.{FIELDS.get(q.name, q.name)}" if q.name in SCENE else "",
-            q.column,
-            q.meaning,
-        )
-        for q in QUANTITIES.values()
+        q for q in QUANTITIES.values()
         if q.name not in HIGHER and q.column != ACCELERATION.column  # which the results have
-    ]
-    inputs.append(MOTION)
+    ]  # fmt: skip
+    keys = {key for table in SCENE_FILE.tables.values() for key in table.entries}
+    explained = [f"- `{q.column}`: {q.meaning}." for q in inputs if q.column not in keys]
+    fields = {q.column: f"Scene.{FIELDS.get(q.name, q.name)}" for q in inputs if q.name in SCENE}
+    rows = [_row(q.symbol, fields.get(q.column, ""), q.column) for q in inputs]
+    head = ["| column, name in Python | symbol |", "|---|---|"]
+    return [INPUTS + "\n".join(explained), "", *head, *rows, "| `Scene.motion` | - |"]
+
+
+def _columns() -> list[list[str]]:
     results = []
     for result in RESULTS:
         results.append(_result(result))
@@ -179,7 +186,7 @@ def _columns() -> list[list[str]]:
     others = [f"| `{column}` | {words} |" for column, words in SYNONYMS.items()]
     plain = ["| column | meaning |", "|---|---|"]
     return [
-        ["## Inputs", "", *head, *inputs],
+        ["## Inputs", "", *_inputs()],
         ["## Results", "", *head, *results],
         ["## Designs", "", DESIGNS, "", *plain, *designs],
         ["## A filling", "", FILLING, "", *plain, *weighed],
