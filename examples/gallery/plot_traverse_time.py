@@ -3,8 +3,8 @@ Traverse time
 =============
 
 How long the part takes over the trough, 600 mm long in this scene file: length over mean speed. Light is
-fast here too. Without a length there is no such picture; ``-L 400`` gives one. File: ``out/nut-
-traverse.png``.
+fast here too. Without a length there is no such picture; ``-L 400`` gives one. File:
+``out/nut-traverse.png``.
 
 .. code-block:: bash
 
