@@ -16,6 +16,8 @@ from helpers.questions import answered
 from helpers.read_pages import ReadPage
 
 import vibro
+from vibro.designs.reading import read_spec
+from vibro.files.entries import WORDS
 from vibro.files.toml_files import read_toml
 
 if TYPE_CHECKING:
@@ -151,6 +153,16 @@ def test_other_regimes_are_searched_on_request(ask: Callable[..., Any]) -> None:
         for written in (table, designs):
             assert {row["highest_regime"] for row in written} == regimes
             assert len(written) == 6 * len(regimes)
+
+
+def test_the_example_is_a_question_that_says_how_much_its_numbers_bind(run: Run) -> None:
+    result = run("design", "--example")
+    assert result.exit_code == 0
+    assert all(f'= "{word} ' in result.stdout for word in WORDS)
+    Path("question.toml").write_text(result.stdout, encoding="utf-8")
+    spec = read_spec("question.toml")
+    assert [drive.name for drive in spec.drives] == ["magnet", "unbalance motor"]
+    assert not spec.doubts()
 
 
 @pytest.mark.parametrize("met", [True, False])

@@ -19,11 +19,42 @@ _SHOWN: Final = {
     "speed": "Speed of the slowest part over amplitude and frequency; the circle is the design",
     "band": "Speeds from the slowest to the fastest part over the amplitude",
 }
+#: A question that may be asked as it is: what people change first.
+_EXAMPLE: Final = """\
+# vibro design this.toml
+
+[scene]                           # the parts and the trough: numbers, or bands of which every value counts
+static_friction = "0.3:0.5"
+friction_ratio = "0.7:0.9"        # kinetic over static friction
+trough_angle_deg = 0
+trough_length_mm = 1200
+
+[[drive]]                         # what may be chosen; several drives are compared
+name = "magnet"
+amplitude_mm = "at most 0.8"      # half of the stroke
+frequency_hz = "exactly 50"       # or a list "50, 100"
+drive_angle_deg = "10:40"         # all between the ends
+
+[[drive]]
+name = "unbalance motor"
+amplitude_mm = "at most 3"
+frequency_hz = "15:25"
+drive_angle_deg = "10:40"
+acceleration_g = "at most 4"
+
+[drift]                           # of the drive from what is set
+amplitude_percent = 3
+
+[goal]
+speed_mm_s = "at least 30"        # of every part
+highest_regime = "back-slip"      # what may happen: "forward-slip", "back-slip" or "hopping"
+"""
 
 
 def design_command(
     options: Options,
     every: AllOption = False,
+    example: Annotated[bool, option("example", "Print an example of a design file, and exit.")] = False,
     other_regimes: Annotated[
         bool, option("other-regimes", "Search within other highest regimes too, for comparison.")
     ] = False,
@@ -54,11 +85,14 @@ def design_command(
     from vibro.files.toml_files import read_toml
     from vibro.plots import DESIGN_PICTURES
 
+    if example:
+        print(_EXAMPLE, end="")
+        return ExitCode.DONE
     console = options.console
     count = DIGITS if digits is None else whole_number("--digits", digits, range(1, MOST_DIGITS + 1))
     source = options.scene
     if source is None:
-        raise InputError("missing: a design file", hint="for example: vibro design design.toml")
+        raise InputError("missing: a design file", hint="vibro design --example prints one")
     spec = read_spec(source)
     for doubt in spec.doubts():
         console.warn(doubt)
