@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from helpers.plans import store, swept
@@ -13,9 +14,7 @@ from helpers.read_pages import ReadPage
 import vibro
 from vibro.html_tables import counts, html_table, span
 
-if TYPE_CHECKING:
-    from pathlib import Path
-
+NUT = Path(__file__).parents[1] / "examples" / "safety_nut.toml"
 LINE: dict[str, Any] = {
     "frequency": 15,
     "drive_angle": math.radians(20),
@@ -120,3 +119,11 @@ def test_guarantees_and_designs_are_shown() -> None:
     assert "speed min [mm/s]" in text
     assert "stroke" not in text
     assert f">{result.designs[0].amplitude_mm:.15g}</td>" in text
+
+
+def test_a_comparison_shows_what_was_measured_beside_what_is_computed() -> None:
+    found = vibro.compare(vibro.read_scene(NUT), NUT.parent / "data" / "nut_smoothed_600hz.csv")
+    caption, rows = shown(found)
+    assert f"<{caption}>" == repr(found) == "<Comparison of 801 samples, computed pattern F_>"
+    assert rows["mean_speed"] == ["14.3314 mm/s", "0.000186991 mm/s", "16.2635 mm/s"]
+    assert rows["rms_velocity"] == ["2.89688 mm/s", "", ""]

@@ -12,6 +12,7 @@ from vibro.errors import printable
 from vibro.files.csv_tables import columns_of
 from vibro.files.motions import harmonic_lists
 from vibro.quantities import QUANTITIES
+from vibro.records.comparison import UNITS
 from vibro.records.reading import TOL
 from vibro.records.trough import MEASURED
 from vibro.units import STANDARD_GRAVITY
@@ -30,14 +31,6 @@ if TYPE_CHECKING:
     from vibro.records.trough import HopOnset, MeasuredMotion, TroughDrive
     from vibro.sweeps.request import Request
 
-# Kind of a figure -> its unit, and the size of that in SI units; friction is per unit mass without a mass.
-_UNITS: Final = {
-    "displacement": ("mm", 1e-3),
-    "velocity": ("mm/s", 1e-3),
-    "time": ("ms", 1e-3),
-    "acceleration": ("m/s^2", 1.0),
-    "friction": ("m/s^2", 1.0),
-}
 _MM: Final = 1e3  # in a metre
 _USUAL: Final = ("advance", "mean_speed", "peak", "slip")  # words in the names of figures that people ask for
 _RECORDED: Final = ("unit", "measured", "standard_error", "computed")  # of a figure
@@ -312,7 +305,7 @@ def _motion_record(m: Measurement, measured: MeasuredMotion, onset: HopOnset) ->
 
 def _unit(kind: str, mass: float | None) -> tuple[str, float]:
     """Return the unit of a kind of figure, and its size in SI units."""
-    return ("N", 1.0 / mass) if kind == "friction" and mass is not None else _UNITS[kind]
+    return ("N", 1.0 / mass) if kind == "friction" and mass is not None else UNITS[kind]
 
 
 def _figures(m: Measurement, comparison: Comparison) -> list[dict[str, Any]]:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
+from vibro.html_tables import Shown, amount
 from vibro.motion.settled import SettledMotion, settled_motion
 from vibro.reals import shielded
 from vibro.records.alignment import (
@@ -38,6 +39,14 @@ if TYPE_CHECKING:
 
 _DERIVATIVES: Final = {"velocity": 1, "displacement": 0, "acceleration": 2}
 _WAYS: Final = {"F": 1, "B": -1}
+#: Kind of a row -> its unit, and the size of that in SI units; friction is per unit mass without a mass.
+UNITS: Final = {
+    "displacement": ("mm", 1e-3),
+    "velocity": ("mm/s", 1e-3),
+    "time": ("ms", 1e-3),
+    "acceleration": ("m/s^2", 1.0),
+    "friction": ("m/s^2", 1.0),
+}
 
 
 class Row(NamedTuple):
@@ -62,7 +71,7 @@ class Row(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Comparison:
+class Comparison(Shown):
     """A record beside the model, on the same clock; returned by ``vibro.compare``.
 
     Attributes
@@ -107,6 +116,15 @@ class Comparison:
     def __repr__(self) -> str:
         """Return a summary: ``<Comparison of 900 samples, computed pattern F_>``."""
         return f"<Comparison of {self.trough_time.size} samples, computed pattern {self.motion.pattern}>"
+
+    def _table(self) -> tuple[str, list[tuple[str, ...]], tuple[str, ...]]:
+        """Return the rows in the units of tables."""
+        rows = []
+        for key, kind, measured, computed in self.rows:
+            unit, size = UNITS[kind]
+            numbers = (*measured, computed)
+            rows.append((key, *("" if math.isnan(x) else amount(x / size, unit) for x in numbers)))
+        return repr(self).strip("<>"), rows, ("", "measured", "standard error", "computed")
 
     @shielded
     def draw(self, path: str | PathLike[str] | None = None) -> Figure:
