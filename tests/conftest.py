@@ -57,32 +57,35 @@ def two_cores(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("os.cpu_count", lambda: 2)
 
 
-# What the markers pick (CONTRIBUTING.md), by the beginnings of paths. Files of ``slow`` take six seconds
-# or more on a core, those of ``process`` start programs, workers or clusters.
+# Sessions of tests/messages that are said in a second and notice much.
+_SHORT: Final = ("design", "drives", "machines", "map", "others", "python_questions", "simulate", "tables")
+
+# What the markers pick (CONTRIBUTING.md), by the beginnings of tests. ``fast`` has those of each room that
+# notice most of benchmarks/faults.toml for their time: more than half of it, in half a minute on a core.
+# Files of ``slow`` take six seconds or more there, those of ``process`` start programs, workers or clusters.
 _MARKED: Final = {
     "fast": (
-        "cli/test_friction.py", "cli/test_restitution.py", "cli/test_traverse_time.py",
+        "answers/test_answer.py", "cli/test_amplitude_units.py", "cli/test_friction.py",
+        "cli/test_map_pictures.py", "cli/test_simulate.py", "cli/test_traverse_time.py",
         "core/test_bounces.py", "core/test_contact.py", "core/test_drive.py", "core/test_flight.py",
         "core/test_history.py", "core/test_legs.py", "core/test_loop.py", "core/test_numbers.py",
         "core/test_scenes.py", "core/test_slides.py",
+        "designs/test_guarantees_extremes.py", "designs/test_optima_limits.py", "designs/test_reading.py",
+        "designs/test_rows_rounding.py", "designs/test_search.py", "designs/test_sensitivities.py",
+        "designs/test_spaces", "designs/test_windows_families.py", "designs/test_windows_yields.py",
         "explore/test_page_file.py", "explore/test_scenes.py", "files/test_descriptions.py",
         "files/test_machines.py", "files/test_motions.py", "files/test_points.py",
-        "designs/test_guarantees_extremes.py",
-        "designs/test_optima_limits.py", "designs/test_pictured.py",
-        "designs/test_reading.py", "designs/test_rows_rounding.py",
-        "designs/test_sensitivities.py",
-        "designs/test_search.py", "designs/test_spaces.py", "designs/test_spaces_bands.py",
-        "designs/test_windows_families.py", "designs/test_windows_yields.py",
-        "machines/test_machine.py", "motion/test_histories_arrivals.py", "motion/test_histories_trace.py",
-        "plots/test_fields.py", "plots/test_neighbours.py", "plots/test_view.py",
-        "records/test_problem_cycles.py", "records/test_reading_headers.py",
-        "records/test_fitting_minimisation.py",
-        "records/test_reading_signals.py", "results/test_history.py",
-        "results/test_sweep.py", "sweeps/test_run.py", "sweeps/test_tally.py", "tables/test_files.py",
-        "tables/test_plan.py", "test_axes.py",
-        "test_errors.py", "test_friction_catalogue.py", "test_indexes.py", "test_makers.py",
-        "test_mutants.py", "test_periodic.py", "test_quantities.py", "test_reference.py",
-        "test_scales.py", "test_scene.py", "test_steady.py", "test_steps.py",
+        "machines/test_machine.py", *(f"messages/test_messages.py::test_messages[{name}]" for name in _SHORT),
+        "motion/test_histories_arrivals.py", "motion/test_histories_trace.py", "plots/test_curves.py",
+        "plots/test_fields.py", "plots/test_history.py", "plots/test_neighbours.py", "plots/test_view.py",
+        "records/test_fitting_minimisation.py", "records/test_formats.py", "records/test_problem_cycles.py",
+        "records/test_reading_headers.py", "records/test_reading_signals.py", "results/",
+        "sweeps/test_columns.py", "sweeps/test_grid.py",
+        "sweeps/test_run.py", "sweeps/test_tally.py", "sweeps/test_whole.py", "tables/test_files.py",
+        "tables/test_plan.py", "tables/test_stored.py", "tables/test_writing.py", "tables/test_xlsx.py",
+        "test_axes.py", "test_errors.py", "test_friction_catalogue.py", "test_indexes.py", "test_makers.py",
+        "test_mutants.py", "test_periodic.py", "test_quantities.py", "test_reals.py", "test_reference.py",
+        "test_scales.py", "test_scene.py", "test_steady.py",
     ),
     "slow": (
         "accuracy/test_trade.py", "core/test_javascript.py",
@@ -121,17 +124,17 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
     """Where one marker alone is asked for, do not import files that lack it, which takes seconds."""
     beginnings = _MARKED.get(config.getoption("markexpr"))
     path = collection_path.relative_to(Path(__file__).parent).as_posix()
-    is_named = any(argument.partition("::")[0].endswith(path) for argument in config.args)
-    if beginnings and path.endswith(".py") and not path.startswith(beginnings) and not is_named:
-        return True
-    return None
+    if beginnings is None or not path.endswith(".py") or path.startswith(beginnings):
+        return None
+    is_named = any(one.partition("::")[0].endswith(path) for one in (*config.args, *beginnings))
+    return None if is_named else True
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Mark the tests of each list."""
     tests = Path(__file__).parent
     for item in items:
-        path = item.path.relative_to(tests).as_posix()
+        name = f"{item.path.relative_to(tests).as_posix()}::{item.name}"
         for marker, beginnings in _MARKED.items():
-            if path.startswith(beginnings):
+            if name.startswith(beginnings):
                 item.add_marker(marker)

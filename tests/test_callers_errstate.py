@@ -51,34 +51,6 @@ def test_sweeps_and_their_pictures_are_made() -> None:
     assert swept.draw("speed").axes
 
 
-def test_designs_and_guarantees_are_found() -> None:
-    asked: dict[str, Any] = {
-        "scene": {"static_friction": "0.7:0.8", "kinetic_friction": 0.57},
-        "drive": [{"amplitude_mm": "0:2", "frequency_hz": 15, "drive_angle_deg": "18:20"}],
-        "goal": {"speed_mm_s": 10},
-    }
-    assert vibro.design(asked, only="goal").met
-    scene = vibro.Scene(amplitude=1e-15, frequency=15.0, **NUT)
-    assert vibro.guarantee(scene, static_friction=(0.7, 0.8)).speed_max == 0.0
-    nut = vibro.Scene(amplitude=1e-3, frequency=15.0, **NUT)
-    assert vibro.guarantee(nut, amplitude=(1e-15, 1e-3)).speed_min == 0.0
-    assert vibro.feasible_amplitudes(nut, 1e-150)
-
-
-@each("filling", [1e-300, 1e-3, 1e300])
-@each("ratio", [1e-8, 1.0, 1e8])
-def test_extreme_machines_are_answered_or_refused(ratio: float, filling: float) -> None:
-    machine = vibro.Machine.magnet(
-        trough_mass=1e-150, counter_mass=2.0, natural_frequency=50.0 * ratio, damping_ratio=0.0, force=1e-120
-    )
-    assert machine.response(50.0, added_mass=filling).amplitude >= 0.0
-    with contextlib.suppress(vibro.InputError):  # of infinite amplitudes, and inertia beyond all numbers
-        points = vibro.operate(machine, frequency=50.0, filling=filling, **NUT)
-        assert points.amplitude > 0.0 or points.status != vibro.Status.OK
-        assert isinstance(points.remarks(), list)
-        assert points.speed_with_second_harmonic() >= 0.0 or points.status != vibro.Status.OK
-
-
 def test_every_public_function_is_shielded() -> None:
     functions = {name: getattr(vibro, name) for name in vibro.__all__}
     plain = [name for name, f in functions.items() if inspect.isroutine(f) and not hasattr(f, "__wrapped__")]

@@ -94,12 +94,9 @@ QUESTION = "[scene]\nstatic_friction = 0.3\n[goal]\nspeed_mm_s = 80\n"
 @each(
     ("text", "is_question"),
     [
-        (f"{QUESTION}[[drive]]\nfrequency_hz = 50", True),
         (f"{QUESTION}[drive]\nfreqency_hz = 50\n[drif]\n", True),  # with slips too
-        (f"{QUESTION}[drive]\n[map]\n", True),
         (f"{QUESTION}[drive]\n[map]\namplitude_mm = 1\nfrequency_hz = 50", True),
         (QUESTION, False),  # a scene that has a goal, as nothing is chosen from
-        ("[[drive]]\namplitude_mm = 1", False),
     ],
 )
 def test_a_question_of_vibro_design_is_told_from_a_scene(

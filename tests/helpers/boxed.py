@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from hypothesis import strategies as st
-from scipy.stats import qmc
 
 from vibro import Regime, Scene, SteadyCycle, solve
 from vibro.designs.proofs import back_slip_load
@@ -48,6 +47,8 @@ class Boxed(NamedTuple):
 
     def samples(self, logarithm: int = 15) -> SteadyCycle:
         """Solve 2**logarithm points of the box; a tenth of each band lies at either end of it."""
+        from scipy.stats import qmc  # late: it takes a fifth of a second to load
+
         names = ["amplitude", "frequency", "drive_angle", "trough_angle", "static_friction"]
         second = "friction_ratio" if "friction_ratio" in self.bands else "kinetic_friction"
         shares = qmc.Sobol(6, rng=np.random.default_rng(0)).random_base2(logarithm).T

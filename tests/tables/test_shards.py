@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import shutil
-import threading
 from collections import Counter
 from dataclasses import replace
 from importlib.util import find_spec
@@ -25,11 +24,8 @@ from vibro.tables.plan import MANIFEST, SUCCESS, shard_name, unsealed
 from vibro.tables.shards import Summary, make_shard
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from vibro.sweeps.whole import Sweep
     from vibro.tables.plan import Plan
-    from vibro.tables.shards import Progress
 
 SWEEPS: dict[str, dict[str, Any]] = {
     "lines": {"amplitude_mm": "0.1:3:5", "frequency_hz": "10:60:6", "trough_length_mm": 600},
@@ -149,28 +145,6 @@ def test_an_error_names_the_cells_and_leaves_nothing_half(
     with pytest.raises(VibroError, match="cells 24 to 27: ZeroDivisionError: no such load"):
         written(tmp_path / "out", plan_of(lines, 8, row_group_cells=4))
     assert {path.name for path in (tmp_path / "out").iterdir()} <= {MANIFEST, *map(shard_name, range(3))}
-
-
-@pytest.mark.usefixtures("two_cores")
-def test_threads_end_with_their_run(tmp_path: Path, lines: Sweep, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Without the hidden folder none goes on."""
-    solve, begun = Grid.solve_cells, threading.Event()
-
-    def stay(grid: Grid, start: int, stop: int, threads: int, look: Callable[[int, int], None]) -> Any:
-        if start == 0:
-            return solve(grid, start, stop, threads, look)
-        begun.set()
-        while True:  # as long as somebody waits for it
-            look(0, 1)
-
-    def interrupt(progress: Progress) -> None:
-        assert begun.wait(60.0)
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(Grid, "solve_cells", stay)
-    with pytest.raises(KeyboardInterrupt):
-        written(tmp_path / "out", plan_of(lines, 10), report=interrupt)
-    assert {path.name for path in (tmp_path / "out").iterdir()} <= {MANIFEST, shard_name(0)}
 
 
 def test_nobody_begins_a_file_in_a_folder_that_goes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,14 +6,12 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import pandas as pd
 import pytest
 from helpers.cases import each
 from helpers.commands import POSIX
-from helpers.plans import NUT, plan_of, swept, written
+from helpers.plans import plan_of, swept, written
 
-import vibro
-from vibro.errors import FileError, InputError
+from vibro.errors import FileError
 from vibro.tables.plan import MANIFEST, SUCCESS, shard_name
 
 if TYPE_CHECKING:
@@ -103,17 +101,3 @@ def test_links_are_never_written_through(folder: Path, plan: Plan, tmp_path: Pat
             written(folder, plan, force=True)
         assert (tmp_path / "mine").read_text(encoding="utf-8") == "mine"
         (folder / name).unlink()
-
-
-def test_from_python(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("vibro.tables.plan._SHARD_CELLS", 6)
-    held = vibro.sweep(**GIVEN, **NUT)
-    stored = vibro.write_sweep(tmp_path / "out", **GIVEN, **NUT)
-    assert {*contents(tmp_path / "out")} == {MANIFEST, SUCCESS, *SHARDS}
-    pd.testing.assert_frame_equal(stored.to_frame(), held.to_frame())
-    columns = ["regime", "stroke_mm"]
-    again = vibro.write_sweep(str(tmp_path / "out"), columns=columns, force=True, **GIVEN, **NUT)
-    pd.testing.assert_frame_equal(again.to_frame(), held.to_frame(columns))
-    for folder in (3, "a\0b"):
-        with pytest.raises(InputError, match="folder = "):
-            vibro.write_sweep(folder, **GIVEN, **NUT)  # type: ignore[arg-type]

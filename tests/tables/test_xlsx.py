@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import errno
 import io
-import os
 import zipfile
 from collections import Counter
 from pathlib import Path
@@ -14,8 +12,6 @@ import pytest
 from helpers.cases import each
 from helpers.plans import swept, workbook
 from matplotlib.figure import Figure
-from xlsxwriter import Workbook
-from xlsxwriter.exceptions import FileCreateError
 
 import vibro
 from vibro.errors import InputError
@@ -146,15 +142,3 @@ def test_what_exceeds_a_sheet_is_refused_or_left_out(tmp_path: Path, monkeypatch
     monkeypatch.undo()
     monkeypatch.setattr(xlsx, "_MOST_COLUMNS", 6)
     assert workbook(tmp_path / "x.xlsx", swept(**MAP))[0].sheetnames == ["Summary", "Cells"]
-
-
-def test_what_the_system_refuses_is_its_own_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    close = Workbook.close
-
-    def full(book: Workbook) -> None:
-        close(book)
-        raise FileCreateError(OSError(errno.ENOSPC, os.strerror(errno.ENOSPC)))
-
-    monkeypatch.setattr(Workbook, "close", full)
-    with pytest.raises(OSError, match=os.strerror(errno.ENOSPC)):
-        workbook(tmp_path / "x.xlsx", swept())
