@@ -20,14 +20,81 @@ class C:
     prologue = """\
 /* Translated from Python by tools/translate.py. */
 #include <math.h>
+#include <setjmp.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #ifdef _WIN32
 #define EXPORTED __declspec(dllexport)
+#define set_mark setjmp
+#define go_back longjmp
 #else
 #define EXPORTED __attribute__((visibility("default")))
+#define set_mark _setjmp /* without the signals that are held off, which takes a call of the system */
+#define go_back _longjmp
 #endif
+
+/* A call holds no lock of Python's, and asks Python now and then whether it shall go on: that is where
+   Python handles signals. An exception that it raises ends the call. */
+#define TURNS 32 /* of the outer loops, between two looks at the clock */
+#define PATIENCE 0.05 /* [s] between two questions */
+
+struct Call {
+    struct Call *outer;
+    void *thread;
+    double asked;
+    jmp_buf begin;
+};
+static struct {
+    void *(*release)(void);
+    void (*acquire)(void *);
+    void *(*ask)(void *);
+    void (*drop)(void *);
+    void *question;
+} python;
+static _Thread_local struct Call *running;
+static _Thread_local int turns;
+
+EXPORTED void vibro_listen(void *(*release)(void), void (*acquire)(void *), void *(*ask)(void *),
+                           void (*drop)(void *), void *question) {
+    python.release = release;
+    python.acquire = acquire;
+    python.ask = ask;
+    python.drop = drop;
+    python.question = question;
+}
+static double seconds(void) {
+    struct timespec now;
+    timespec_get(&now, TIME_UTC);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+static void enter(struct Call *call) {
+    call->outer = running;
+    call->asked = seconds();
+    running = call;
+    turns = TURNS;
+    if (python.ask) call->thread = python.release();
+}
+static void leave(struct Call *call) {
+    if (python.ask) python.acquire(call->thread);
+    running = call->outer;
+}
+static __attribute__((noinline, cold)) void listen(void) {
+    struct Call *call = running;
+    turns = TURNS;
+    if (!python.ask || fabs(seconds() - call->asked) < PATIENCE) return;
+    python.acquire(call->thread);
+    void *answer = python.ask(python.question);
+    if (!answer) {
+        running = call->outer;
+        go_back(call->begin, 1);
+    }
+    python.drop(answer);
+    running = call;
+    call->thread = python.release();
+    call->asked = seconds();
+}
 
 static inline double float_min(double a, double b) { return b < a ? b : a; }
 static inline double float_max(double a, double b) { return b > a ? b : a; }
@@ -90,9 +157,9 @@ static inline long long floor_mod(long long a, long long b) {
         ]
         return f"static {self.type(result)} {name}({', '.join(heads) or 'void'})"
 
-    def header(self, head: str) -> list[str]:
-        """Announce a function."""
-        return [f"{head};"]
+    def header(self, head: str, *, is_door: bool) -> list[str]:
+        """Announce a function; one with a way back into it is optimized less, and so a door stays apart."""
+        return [f"{head}{' __attribute__((noinline))' * is_door};"]
 
     def declared(self, variables: dict[str, str], changed: dict[str, str]) -> list[str]:
         """Declare the variables of a function, and copies of records that it changes."""
@@ -114,6 +181,10 @@ static inline long long floor_mod(long long a, long long b) {
     def loop(self, counter: str, low: str, end: str, high: str, step: str) -> str:
         """Begin a loop over whole numbers."""
         return f"for (long long {counter} = {low}, {end} = {high}; {counter} < {end}; {counter} += {step}) {{"
+
+    def listens(self) -> list[str]:
+        """Count a turn of a loop that may last, and listen to Python now and then."""
+        return ["if (__builtin_expect(--turns < 0, 0)) listen();"]
 
     def nothing(self, kind: str) -> str:
         """Write a buffer of nothing."""
@@ -171,11 +242,19 @@ static inline long long floor_mod(long long a, long long b) {
             else:
                 heads.append(f"{self.type(kind)} a{i}")
                 values.append(f"a{i}")
-        back = "" if result == "None" else "return "
-        return (
-            f"EXPORTED {self.type(result)} vibro_{name}({', '.join(heads)})"
-            f" {{ {back}{inside}({', '.join(values)}); }}"
-        )
+        call, taken, given, failed = f"{inside}({', '.join(values)});", "", "return;", "return;"
+        if result != "None":
+            taken, given, failed = f"{self.type(result)} result = ", "return result;", "return 0;"
+        lines = [
+            "struct Call here;",
+            "enter(&here);",
+            f"if (set_mark(here.begin)) {failed}",
+            f"{taken}{call}",
+            "leave(&here);",
+            given,
+        ]
+        head = f"EXPORTED {self.type(result)} vibro_{name}({', '.join(heads)})"
+        return "\n".join([f"{head} {{", *(f"    {line}" for line in lines), "}"])
 
 
 class JavaScript(C):
@@ -232,7 +311,7 @@ function remainder(x, y) {
     ) -> str:
         return f"function {name}({', '.join(arguments)})"
 
-    def header(self, head: str) -> list[str]:
+    def header(self, head: str, *, is_door: bool) -> list[str]:
         return []
 
     def declared(self, variables: dict[str, str], changed: dict[str, str]) -> list[str]:
@@ -249,6 +328,9 @@ function remainder(x, y) {
 
     def loop(self, counter: str, low: str, end: str, high: str, step: str) -> str:
         return f"for (let {counter} = {low}, {end} = {high}; {counter} < {end}; {counter} += {step}) {{"
+
+    def listens(self) -> list[str]:
+        return []
 
     def nothing(self, kind: str) -> str:
         return "null"

@@ -29,11 +29,12 @@ sys.path.insert(0, str(Path(__file__).parent))
 from dialects import BUFFERS, SCALARS, C, JavaScript  # noqa: F401
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Collection, Sequence
 
 ARRAYS = {"doubles": "Doubles", "integers": "Integers"}  # by the functions that make them
 _LOOP = "loop"
 _NO_EFFECT, _READS, _FILLS = range(3)  # of functions on buffers
+_SHORT = 4  # loops in each other that last a few milliseconds
 _NUMBERS = {"float", "int", "bool", "whole"}
 _FUNCTIONS = {"sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sqrt", "floor", "ceil", "copysign",
               "remainder", "log", "exp"}  # fmt: skip
@@ -48,12 +49,13 @@ class TranslationError(Exception):
 
 
 class Signature(NamedTuple):
-    """A function: its name in C, types of its arguments and its result, and what it does to buffers."""
+    """A function: its name in C, types of its arguments and its result, effect on buffers, depth of loops."""
 
     name: str
     arguments: tuple[str, ...]
     result: str
     effect: int
+    depth: int
 
 
 class Template(NamedTuple):
@@ -67,6 +69,7 @@ class Template(NamedTuple):
     node: ast.FunctionDef
     variables: set[str]
     effect: int
+    depth: int
 
 
 class Value(NamedTuple):
@@ -145,14 +148,14 @@ class _Program:
                 case ast.ClassDef(bases=[ast.Name("IntEnum")]):
                     names[node.name] = _members(node)
                 case ast.FunctionDef() if any(_is_function(a.annotation) for a in node.args.args):
-                    names[node.name] = Template(module, names, node, variables, _NO_EFFECT)
+                    names[node.name] = Template(module, names, node, variables, _NO_EFFECT, 0)
                 case ast.FunctionDef():
                     try:
                         kinds = tuple(self.kind(a.annotation) for a in node.args.args)
                         result = self.kind(node.returns)
                     except TranslationError:
                         continue  # for Python alone: a function that calls it is refused
-                    names[node.name] = Signature(f"{module}_{node.name}", kinds, result, _NO_EFFECT)
+                    names[node.name] = Signature(f"{module}_{node.name}", kinds, result, _NO_EFFECT, 0)
                     functions.append(node)
                 case ast.Assign([ast.Name(name)], ast.Call(ast.Name("TypeVar"))):
                     variables.add(name)
@@ -168,17 +171,22 @@ class _Program:
         while found:  # whoever calls a function has its effect
             found = False
             for node in (n for n in tree.body if isinstance(n, ast.FunctionDef) and n.name in names):
-                if (effect := _effect(node.body, names)) > names[node.name].effect:
-                    names[node.name], found = names[node.name]._replace(effect=effect), True
+                now = {
+                    "effect": _effect(node.body, names),
+                    "depth": _depth(node.body, names, _variables(node)),
+                }
+                if any(getattr(names[node.name], key) != value for key, value in now.items()):
+                    names[node.name], found = names[node.name]._replace(**now), True
         for function in functions:
-            self._write(_Function(self, names, function, names[function.name]))
+            door = function.name in exported
+            self._write(_Function(self, names, function, names[function.name], is_door=door))
         if module == _LOOP:
             for name in sorted(exported):
                 door = names[name]
                 self.bodies.append(self.to.door(name, door.name, door.arguments, self.records, door.result))
 
     def _write(self, function: _Function) -> None:
-        self.headers += self.to.header(function.head)
+        self.headers += self.to.header(function.head, is_door=function.is_door)
         self.bodies.append("\n".join(function.lines))
 
     def specialized(self, template: Template, passed: dict[str, Signature]) -> Signature:
@@ -204,8 +212,9 @@ class _Program:
                         others.append(argument)
             takes = tuple(self.kind(a.annotation, bound) for a in others)
             names = template.names | passed
-            effect = _effect(template.node.body, names)
-            signature = Signature(name, takes, self.kind(template.node.returns, bound), effect)
+            body, own = template.node.body, _variables(template.node) - passed.keys()
+            does = _effect(body, names), _depth(body, names, own)
+            signature = Signature(name, takes, self.kind(template.node.returns, bound), *does)
             self._specialized[name] = signature
             self._write(_Function(self, names, template.node, signature, others))
         return self._specialized[name]
@@ -346,6 +355,25 @@ def _effect(nodes: Sequence[ast.AST], names: dict[str, Any]) -> int:
     return effect
 
 
+def _depth(nodes: Sequence[ast.AST], names: dict[str, Any], own: Collection[str] = ()) -> int:
+    """Return how deep the loops of a piece of a program lie in each other, with those of what it names.
+
+    ``own`` are its variables, which may be called as functions are.
+    """
+    depth = 0
+    for node in nodes:
+        loops = isinstance(node, ast.For | ast.While)
+        if isinstance(node, ast.Name) and node.id not in own:
+            depth = max(depth, getattr(names.get(node.id), "depth", 0))
+        depth = max(depth, loops + _depth([*ast.iter_child_nodes(node)], names, own))
+    return min(depth, _SHORT + 1)
+
+
+def _variables(node: ast.FunctionDef) -> set[str]:
+    inside = (n for n in ast.walk(node) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store))
+    return {n.id for n in inside} | {a.arg for a in node.args.args}
+
+
 class _Function:
     """Translates one function."""
 
@@ -356,7 +384,10 @@ class _Function:
         node: ast.FunctionDef,
         signature: Signature,
         arguments: list[ast.arg] | None = None,
+        *,
+        is_door: bool = False,
     ) -> None:
+        self.is_door = is_door
         self._program, self._names, self._node, self._to = program, names, node, program.to
         self._result = signature.result
         given = node.args.args if arguments is None else arguments
@@ -445,9 +476,14 @@ class _Function:
         raise self._refused(node, "no translation")
 
     def _repeated(self, body: list[ast.stmt], behind: frozenset[str] | None) -> list[str]:
-        """Translate the body of a loop; ``behind`` is what is set where the loop's head ends it."""
+        """Translate the body of a loop; ``behind`` is what is set where the loop's head ends it.
+
+        The innermost loops, and those around them, take no time: they do not listen.
+        """
         self._breaks.append([behind])
         lines = self._block(body, "    ")
+        if self.is_door or _depth(body, self._names, self._stored | self._kinds.keys()) >= _SHORT:
+            lines = [*(f"    {line}" for line in self._to.listens()), *lines]
         self._set = functools.reduce(_both, self._breaks.pop())
         return lines
 

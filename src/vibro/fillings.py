@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 _KINK: Final = 0.2  # [1] relative difference of both sides that shows a kink
 _DAMPING_RATIO: Final = 0.015  # [1] of steel springs in feeders
-# [cells] of a range, so that an interrupt is noticed within a fraction of a second.
+# [cells] of a range, so that threads share the work evenly.
 _RANGE: Final = 1024
 _AVERAGED: Final = 16  # each of which takes several ms
 _AMPLITUDE_STEP: Final = (

@@ -15,7 +15,7 @@ from vibro.quantities import STAND_RATIO
 from vibro.reals import NotRealError, real_array, shielded
 from vibro.scene import check_single
 from vibro.steady import solve
-from vibro.threads import Grid, doors, lasting, over_cells
+from vibro.threads import Grid, doors, over_cells
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -34,7 +34,7 @@ HOP: Final = "hopping"
 # [1] Relative distance within which a closed form and a root count as the same load.
 _SAME: Final = 1e-12
 
-# [cells] per call, so that an interrupt is noticed within a fraction of a second
+# [cells] per call, so that threads share the work evenly
 _RANGE: Final = 8_192
 _RANGE_OF_MOTIONS: Final = 64  # of 2 ms each per harmonic
 _ROOM: Final = 64  # [intervals] of one class, to begin with; the most that were met are 6
@@ -289,7 +289,7 @@ def _of_any_motion(scene: Scene, now: float) -> tuple[float, list[tuple[str, flo
     grid, room, counts = Grid(scene.arrays()), _ROOM, np.zeros(2 * CLASSES + 1, np.int64)
     while True:
         out = np.empty(2 * CLASSES * room + 3)
-        _class_scales(grid, out, counts, room)
+        doors().class_scales(grid.scenes, grid.place(), doors().row(out), doors().row(counts), room)
         most = int(counts[:CLASSES].max())
         if most <= room:
             break
@@ -305,13 +305,6 @@ def _of_any_motion(scene: Scene, now: float) -> tuple[float, list[tuple[str, flo
         if not math.isclose(begun.get(name, math.inf), onset, rel_tol=_SAME):
             found.append((load, onset, hop))
     return hop, found
-
-
-def _class_scales(grid: Grid, out: Floats, counts: NDArray[np.int64], room: int) -> None:
-    def find() -> None:
-        doors().class_scales(grid.scenes, grid.place(), doors().row(out), doors().row(counts), room)
-
-    lasting(find)
 
 
 def back_slip_of(fields: Line) -> NDArray[np.bool_]:

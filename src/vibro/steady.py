@@ -89,7 +89,7 @@ def _legs(grid: Grid, cell: int, scratch: Scratch) -> bytes:
 
 
 # Cells of a range, of drives of one harmonic: many enough that Python takes no time between them, few enough
-# that an interrupt is noticed within a fraction of a second.
+# that threads share the work evenly.
 _IN_CONTACT: Final = 8192
 _HOPPING: Final = 32
 _SURVEYED: Final = 2

@@ -6,8 +6,8 @@ import math
 import os
 import threading
 from collections import deque
-from threading import Thread, current_thread, main_thread
-from typing import TYPE_CHECKING, Any, Final, TypeVar
+from threading import Event, Thread
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -88,44 +88,13 @@ def within(block: tuple[slice, ...], shape: tuple[int, ...]) -> tuple[slice, ...
     return tuple(slice(None) if n == 1 else part for part, n in zip(block, shape, strict=True))
 
 
-_R = TypeVar("_R")
-
-
-def heard(run: Callable[[], _R]) -> _R:
-    """Run a call that may last in another thread, so that this one hears signals.
-
-    A compiled function holds off the handlers of signals until it returns. After an interrupt it runs on to
-    its end: what it writes to must live as long as ``run``.
-    """
-    if current_thread() is not main_thread():
-        return run()
-    found: list[_R] = []
-    failures: list[BaseException] = []
-
-    def work() -> None:
-        try:
-            found.append(run())
-        except BaseException as exc:
-            failures.append(exc)
-
-    thread = Thread(target=work, daemon=True)
-    thread.start()
-    while thread.is_alive():
-        thread.join(_PATIENCE)
-    if failures:
-        raise failures[0]
-    return found[0]
-
-
 def in_parallel(
     run: Callable[[Any], None],
     parts: Sequence[Any],
     threads: int | None = None,
     done: Callable[[int], None] | None = None,
-    *,
-    lasting: bool = False,
 ) -> None:
-    """Run parts on several threads; after an interrupt the others end with the part they are at.
+    """Run parts on several threads; after an interrupt or an error the others end at once.
 
     Parameters
     ----------
@@ -137,15 +106,7 @@ def in_parallel(
         How many share the work; without, one a core.
     done : callable, optional
         Called in the calling thread, after each part that it has run, with the number of parts that are done.
-    lasting : bool
-        Whether a part may take long: then it is ``heard``, and an interrupt does not wait for it.
     """
-    given = run
-
-    def run_heard(part: Any) -> None:
-        heard(lambda: given(part))
-
-    run = run_heard if lasting else given
     number = min(cores() if threads is None else threads, len(parts))
     if number < 2:
         for count, part in enumerate(parts, 1):
@@ -156,6 +117,11 @@ def in_parallel(
     left = deque(parts)
     failures: list[BaseException] = []
     finished: list[None] = []
+    ended = Event()
+
+    def look() -> None:
+        if ended.is_set():
+            raise _EndedError
 
     def work(tell: Callable[[int], None] | None = None) -> None:
         while True:
@@ -170,11 +136,15 @@ def in_parallel(
 
     def work_along() -> None:
         try:
-            work()
+            with compiled.asking(*asked, look):
+                work()
+        except _EndedError:
+            pass
         except BaseException as exc:
             failures.append(exc)
             left.clear()
 
+    asked = compiled.questions()
     others = [Thread(target=work_along, daemon=True) for _ in range(number - 1)]
     try:
         for thread in others:
@@ -187,14 +157,18 @@ def in_parallel(
                     done(len(finished))
     finally:
         left.clear()
-        for thread in others:  # their buffers may not outlive this call, but for those of parts that last
+        ended.set()
+        for thread in others:  # their buffers may not outlive this call
             if thread.ident is not None:
-                thread.join(_PATIENCE if lasting else None)
+                thread.join()
     if failures:
         raise failures[0]
 
 
-_QUICK: Final = 64  # [1] most harmonics, or pieces, of which one cell takes less than 0.2 s in any call
+class _EndedError(Exception):
+    """Raised in threads whose work nobody waits for any more."""
+
+
 _ONE: Final = np.ones(())
 
 
@@ -293,11 +267,6 @@ class Scratch(threading.local):
         self.hops = doors().rows(np.empty((8, BODIES * MOST_HOPS)))
 
 
-def lasting(run: Callable[[], _R]) -> _R:
-    """Run a call of the compiled solver that may last, and hear signals meanwhile, as ``heard``."""
-    return heard(run) if doors().compiled else run()
-
-
 def over_cells(
     run: Callable[[int, int], Any],
     size: int,
@@ -322,8 +291,8 @@ def over_cells(
     cost : int
         Of a cell, as that of the grid.
     """
-    step, is_long = max(1, step // cost), cost > _QUICK and doors().compiled
-    if size <= step and progress is None and not is_long:
+    step = max(1, step // cost)
+    if size <= step and progress is None:
         if size:
             run(0, size)
         return
@@ -334,4 +303,4 @@ def over_cells(
             progress(min(done * step, size), size)
 
     number = threads if doors().compiled else 1
-    in_parallel(lambda part: run(*part), parts, number, tell, lasting=is_long)
+    in_parallel(lambda part: run(*part), parts, number, tell)

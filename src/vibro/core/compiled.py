@@ -10,12 +10,14 @@ import ctypes
 import hashlib
 import os
 import sys
+import threading
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from numpy.typing import NDArray
 
@@ -30,13 +32,42 @@ def library_path() -> Path | None:
 
 
 class _Rows(tuple[int, ...]):
-    """Addresses of the rows of an array, which lives as long as they do.
-
-    After an interrupt a call runs on in its thread, also while Python ends and drops what threads own: only
-    what the call itself was handed is still there.
-    """
+    """Addresses of the rows of an array, which lives as long as they do."""
 
     array: NDArray[Any]
+
+
+class _Asked(threading.local):
+    """What compiled functions ask in a thread: questions, of which each raises if they shall end."""
+
+    questions: tuple[Callable[[], object], ...] = ()
+
+
+_asked: Final = _Asked()
+
+
+@contextmanager
+def asking(*questions: Callable[[], object]) -> Iterator[None]:
+    """Have compiled functions of this thread ask further questions every 50 ms, and end if one raises.
+
+    Signals are handled then too, in the main thread: without any question an interrupt is heard.
+    """
+    before = _asked.questions
+    _asked.questions = (*before, *questions)
+    try:
+        yield
+    finally:
+        _asked.questions = before
+
+
+def questions() -> tuple[Callable[[], object], ...]:
+    """Return the questions of this thread, for those that share its work."""
+    return _asked.questions
+
+
+def _ask() -> None:
+    for question in _asked.questions:
+        question()
 
 
 class Doors:
@@ -48,7 +79,7 @@ class Doors:
         Whether they are compiled: then they hold no lock, and threads may share the work.
     """
 
-    def __init__(self, library: ctypes.CDLL | None) -> None:
+    def __init__(self, library: ctypes.PyDLL | None) -> None:
         self._library, self.compiled = library, library is not None
 
     def __getattr__(self, name: str) -> Callable[..., Any]:
@@ -84,7 +115,7 @@ def _flattened(values: tuple[Any, ...]) -> list[Any]:
     return flat
 
 
-def _foreign(library: ctypes.CDLL, name: str) -> Callable[..., int]:
+def _foreign(library: ctypes.PyDLL, name: str) -> Callable[..., int]:
     """Wrap an exported function; addresses go as whole numbers of 64 bits."""
     function = getattr(library, f"vibro_{name}")
     function.restype = ctypes.c_longlong
@@ -134,7 +165,7 @@ def doors() -> Doors:
     if path is None:
         return Doors(None)
     try:
-        library = ctypes.CDLL(str(path))
+        library = ctypes.PyDLL(str(path))  # it releases Python's lock itself, and raises Python's exceptions
         library.vibro_sources.restype = ctypes.c_char_p
         digest, *names = library.vibro_sources().decode().split("\n")
     except (OSError, AttributeError) as exc:
@@ -148,6 +179,14 @@ def doors() -> Doors:
         raise ImportError(
             f"the compiled solver {path} was built from another version of the source; {_REMEDY}"
         )
+    python = ctypes.pythonapi
+    calls = (
+        python.PyEval_SaveThread,
+        python.PyEval_RestoreThread,
+        python.PyObject_CallNoArgs,
+        python.Py_DecRef,
+    )
+    library.vibro_listen(*(ctypes.cast(call, ctypes.c_void_p) for call in calls), ctypes.py_object(_ask))
     return Doors(library)
 
 

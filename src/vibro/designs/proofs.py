@@ -18,7 +18,7 @@ from vibro.designs.spaces import Points
 from vibro.limits import critical_loads, critical_loads_of_lines, tipping_load, tipping_load_of_lines
 from vibro.results.designs import Certificate
 from vibro.steady import solve
-from vibro.threads import doors, lasting
+from vibro.threads import doors
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -350,12 +350,8 @@ def slowest_in_contact(
     def evolved(first: Floats) -> tuple[Floats, Floats]:
         points = np.ascontiguousarray(np.vstack([first, first[:1]]))
         speeds = np.empty(len(points))
-
-        def evolve() -> Any:
-            population = solver.row(points), solver.row(speeds)
-            return solver.evolve(scene(), population, len(first), _MOST_GENERATIONS, _SEED)
-
-        lasting(evolve)
+        population = solver.row(points), solver.row(speeds)
+        solver.evolve(scene(), population, len(first), _MOST_GENERATIONS, _SEED)
         order = np.argsort(speeds[:-1], kind="stable")
         return points[order], speeds[order]
 
@@ -364,12 +360,8 @@ def slowest_in_contact(
         return _Slowest(_points(box, points), speeds, None)
     lows, highs, bounds = np.empty((boxes, AXES)), np.empty((boxes, AXES)), np.empty(boxes)
     heap, met, speed = np.empty(boxes, np.int64), np.vstack([points[0]] * 2), speeds[:1].copy()
-
-    def cover() -> Any:
-        room = tuple(map(solver.row, (lows, highs, bounds, heap, met, speed)))
-        return solver.cover(scene(), room, GAP, _SMALL * trough_speed(box), boxes)
-
-    count = lasting(cover)
+    room = tuple(map(solver.row, (lows, highs, bounds, heap, met, speed)))
+    count = solver.cover(scene(), room, GAP, _SMALL * trough_speed(box), boxes)
     lows, highs, bounds = lows[:count], highs[:count], bounds[:count]
     is_slower = speed[0] < speeds[0] - _BETTER * abs(speeds[0])
     if is_slower or count == boxes:

@@ -17,7 +17,7 @@ from vibro.reals import NotRealError, real_array, shielded
 from vibro.results.operating import WARNED_HARMONIC
 from vibro.scene import Scene
 from vibro.steady import check_switch, solve
-from vibro.threads import Grid, Scratch, doors, lasting, over_cells
+from vibro.threads import Grid, Scratch, doors, over_cells
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 _QUIET: Final = np.errstate(divide="ignore", over="ignore", invalid="ignore")  # of what is checked after it
 _ROWS: Final = Operated._fields[: Operated._fields.index("number")]  # that are numbers
-_RANGE: Final = 32  # [cells] so that an interrupt is noticed within a fraction of a second
+_RANGE: Final = 32  # [cells] so that threads share the work evenly
 _UNSEARCHED: Final = 8192  # [cells] the same without a search
 _MOST_POINTS: Final = 64  # that are listed
 _MOST_NAMED: Final = 4  # cells of a remark
@@ -424,7 +424,7 @@ def operating_points(machine: Machine, **case: Any) -> tuple[float, ...]:
     grid, solver, scratch, amplitudes = one.grid(), doors(), Scratch(), np.empty(_MOST_POINTS)
     given = springs_of(machine), solver.rows(one.fillings), scratch.flights, scratch.hops
     buffers = *given, solver.row(amplitudes)
-    number = lasting(lambda: solver.operating_points(grid.scenes, grid.place(), *buffers, amplitudes.size))
+    number = solver.operating_points(grid.scenes, grid.place(), *buffers, amplitudes.size)
     return tuple(amplitudes[:number].tolist())
 
 

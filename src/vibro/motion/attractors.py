@@ -16,7 +16,7 @@ from vibro.quantities import START_HEIGHT
 from vibro.reals import shielded
 from vibro.results.attractors import Attractor, Attractors, share_interval
 from vibro.steady import CODES, NUMBERS, checked_starts
-from vibro.threads import Scratch, doors, lasting
+from vibro.threads import Scratch, doors
 
 if TYPE_CHECKING:
     from vibro.scene import Scene
@@ -82,15 +82,11 @@ def attractors(scene: Scene, starts: int = STARTS, drops: float = 0.0) -> Attrac
     room = number + KNOWN
     values, codes = np.empty((NUMBERS, room)), np.empty((CODES, room), np.int64)
     counts, means = np.empty(5, np.int64), np.empty(3)
-
-    def found_all() -> None:
-        rows = *solver.rows(values), *solver.rows(codes)
-        found = solver.row(counts), solver.row(means)
-        solver.attractors(
-            grid.scenes, grid.place(), number, height, scratch.flights, scratch.hops, rows, found, room
-        )
-
-    lasting(found_all)
+    rows = *solver.rows(values), *solver.rows(codes)
+    found = solver.row(counts), solver.row(means)
+    solver.attractors(
+        grid.scenes, grid.place(), number, height, scratch.flights, scratch.hops, rows, found, room
+    )
     size, home, irregular, lost, away = counts.tolist()
     length, frequency = float(scene.scale), float(scene.frequency)
     speed = length * 2.0 * math.pi * frequency

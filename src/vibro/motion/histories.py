@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import fields
-from functools import partial
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
@@ -26,7 +25,7 @@ from vibro.results.history import MOST_PHASES, History, Legs, Sample, SolvedMoti
 from vibro.results.steady import lengths_of
 from vibro.scene import check_single
 from vibro.steady import solve
-from vibro.threads import Grid, Scratch, doors, lasting, over_cells
+from vibro.threads import Grid, Scratch, doors, over_cells
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -41,7 +40,7 @@ if TYPE_CHECKING:
 # When bodies arrive: the exact time from rest over a length, for scenes of any shape, in SI units.
 
 _LONGEST_FLIGHT: Final = 1e5  # [drive cycles] after which rounding has lost 1e-10 rad of the phase
-_CELLS: Final = 16  # of a range: an interrupt is noticed between two
+_CELLS: Final = 16  # of a range, so that threads share the work evenly
 
 
 @shielded
@@ -174,10 +173,7 @@ def _arrivals(scene: Scene, length: Floats, start: Start) -> Floats:
     def follow(begin: int, end: int) -> None:
         doors().arrivals(grid.scenes, grid.place(), *start, *buffers, scratch.flights, begin, end)
 
-    if grid.size == 1:
-        lasting(lambda: follow(0, 1))
-    else:
-        over_cells(follow, grid.size, _CELLS, None, cost=grid.cost)
+    over_cells(follow, grid.size, _CELLS, None, cost=grid.cost)
     return times.reshape(length.shape)
 
 
@@ -327,7 +323,7 @@ def follow_body(grid: Grid, start: Start, cycles: float) -> SolvedMotion:
     while number < 0:
         rows = min(rows, MOST_PHASES)
         legs = Legs.of_size(rows)
-        number = lasting(partial(followed, legs, rows))
+        number = followed(legs, rows)
         if number < 0 and rows == MOST_PHASES:
             known = int(legs.cycle[-1])
             raise InputError(

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO, Final, NamedTuple, Self
 
 import numpy as np
 
+from vibro.core.compiled import asking
 from vibro.errors import FileError, VibroError, cut, how_to_install
 from vibro.interrupts import OnEnd
 from vibro.quantities import BY_COLUMN
@@ -263,7 +264,8 @@ def _solved(plan: Plan, start: int, stop: int, threads: int, running: Path) -> B
         running.stat()
 
     try:
-        values, cycle = plan.grid.solve_cells(start, stop, threads, look)
+        with asking(look):
+            values, cycle = plan.grid.solve_cells(start, stop, threads, look)
         return Block(values, cycle, plan.grid.length)
     except (OSError, MemoryError):
         raise
