@@ -89,9 +89,7 @@ def test_cells_are_run_in_ranges_with_their_progress(
 
 def test_the_plain_solver_runs_in_one_thread(monkeypatch: pytest.MonkeyPatch) -> None:
     threads: list[int | None] = []
-    monkeypatch.setattr(
-        "vibro.threads.in_parallel", lambda run, parts, number, tell, lasting: threads.append(number)
-    )
+    monkeypatch.setattr("vibro.threads.in_parallel", lambda run, parts, number, tell: threads.append(number))
     over_cells(lambda i, j: None, 9, 4, 3)
     found = Doors(None)
     found.compiled = True
