@@ -83,6 +83,12 @@ def test_a_result_draws_what_its_command_writes(
         assert [seen_in(draw()) for draw in draws] == written, command
 
 
+def test_a_history_is_drawn_between_two_times() -> None:
+    figure = nut(9).draw(start=0.1, end=0.3, panels="forces,velocity")
+    assert [axes.get_xlim() for axes in figure.axes] == [pytest.approx((100.0, 300.0))] * 3
+    assert nut(9).draw().axes[1].get_xlim() == pytest.approx((200.0, 600.0))  # the last six cycles
+
+
 def test_another_design_is_drawn_where_it_is_asked_for(designs: vibro.DesignResult) -> None:
     for design in designs.designs:
         figure = designs.draw("band", design=design)
