@@ -370,9 +370,12 @@ def _of_a_change(observation: Observation) -> list[str]:
         return []
     folded, time = observation.folded[name], observation.time
     cosines, sines = folded.coefficients[folded.trends :].reshape(2, -1)[:, :1]
-    left = (observation.signals[name] - folded.fitted(time))[:, None]
-    envelope = envelope_of(time, left, sines + 1j * cosines, np.ones(1), observation.frequency)
-    size = math.hypot(float(sines[0]), float(cosines[0]))
+    size, values = math.hypot(float(sines[0]), float(cosines[0])), observation.signals[name]
+    if size <= TOL.rounding * float(np.abs(values).max()):  # there is no wave that could change
+        return []
+    left = (values - folded.fitted(time))[:, None] / size  # whose squares are doubles too
+    wave = sines / size + 1j * (cosines / size)
+    envelope = envelope_of(time, left, wave, np.ones(1), observation.frequency)
     change = change_of(envelope, size / (math.tau * observation.frequency) ** _DERIVATIVES[name])
     if envelope.p_value > TOL.by_chance or not change.is_seen:
         return []

@@ -394,7 +394,7 @@ def _course(sizes: Floats, mm: Callable[[float], str]) -> str:
 def _frequencies(envelope: Envelope, phases: Floats) -> str:
     """Say how a frequency goes."""
     places = np.linspace(-1.0, 1.0, 2 * phases.size + 1)[1::2]
-    smooth = np.polyfit(places, phases, min(3, phases.size - 2))
+    smooth = np.polyfit(places, phases, min(3, max(0, phases.size - 2)))
     rate = math.pi * envelope.span  # of the phase over half the span
     if np.std(phases - np.polyval(smooth, places)) > TOL.much_less * np.std(phases):
         slopes = envelope.frequency + np.gradient(phases, places) / rate
