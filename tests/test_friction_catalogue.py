@@ -102,23 +102,3 @@ def test_the_usual_ratio_and_the_frictions_that_are_searched_are_those_of_the_ca
     assert LEAST_FRICTION < min(kinetic_frictions) < max(kinetic_frictions) < MOST_FRICTION
     with_steel = [mu for row in rows() if "steel" in row.pair for mu in row.kinetic_friction or ()]
     assert max(with_steel) < 1.71  # docs/tasks/friction.md
-
-
-def test_one_row_needs_no_more_than_its_pair() -> None:
-    assert static_row("wood on steel") is static_row("wood on steel, dry") is find("wood")[0]
-
-
-@pytest.mark.parametrize(
-    ("band", "text"), [(None, "-"), ((0.3, 0.3), "0.3"), ((0.3, 0.5), "0.3:0.5"), ((0.0, 0.125), "0:0.125")]
-)
-def test_bands_as_they_are_typed(band: tuple[float, float] | None, text: str) -> None:
-    assert band_text(band) == text
-
-
-def test_a_source_counts_with_its_commas() -> None:
-    assert static_row("wood on steel, dry, lust cda3000 engineering guide, table 7.21").static_friction == (
-        0.45,
-        0.75,
-    )
-    with pytest.raises(InputError):
-        static_row("wood on steel, dry, lust cda3000 engineering guide, table 9")

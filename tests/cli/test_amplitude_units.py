@@ -7,11 +7,9 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import pytest
 from helpers.cases import each
 from helpers.commands import NUT_ANGLE_AND_FRICTION, NUT_FILE, rows_of
-from helpers.drawn import curve, only_map
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -31,8 +29,6 @@ UNITS = {
 }  # fmt: skip
 """Size in SI units, and the order of the derivative."""
 NUT: dict[str, Any] = {"drive_angle_deg": 20, "static_friction": 0.74, "kinetic_friction": 0.57}
-HOPS = STANDARD_GRAVITY / math.sin(math.radians(20)) / G
-"""Acceleration at which the nut's throw number is 1 [g]."""
 
 
 @given(
@@ -105,27 +101,6 @@ def test_a_map_is_what_solve_says_of_each_cell(run: Run, text: str, column: str,
     assert swept.to_xarray().amplitude_mm.dims == (column, "frequency_hz")
 
 
-@each("frequency", [5.0, 20.0, 60.0])
-def test_the_throw_number_is_one_at_one_acceleration(frequency: float) -> None:
-    around = [f"{HOPS * (1.0 + step)!r}g" for step in (-1e-12, 1e-12)]
-    swept = vibro.sweep(amplitude_mm=around, frequency_hz=frequency, **NUT, output="regimes")
-    assert [str(label) for label in swept.to_frame()["regime"]] == ["back-slip", "hopping"]
-
-
-@pytest.mark.usefixtures("unsaved")
-def test_pictures_have_the_axis_that_was_given(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    Path("nut.toml").write_text(NUT_FILE, encoding="utf-8")
-    swept = vibro.sweep("nut.toml", amplitude_mm="0.1g:5g", frequency_hz="10:60:30")
-    axes = only_map(swept.draw("regime"))
-    assert axes.get_ylabel() == "acceleration $A\\omega^2$ [g]"
-    hop, point = curve(axes, "hop"), curve(axes, "operating point")
-    np.testing.assert_allclose(hop[:, 1], HOPS, rtol=1e-12)
-    assert (hop[:, 0].min(), hop[:, 0].max()) == pytest.approx((10.0, 60.0))
-    assert point[0].tolist() == pytest.approx([15.0, 1e-3 * (2 * math.pi * 15) ** 2 / G])
-    across = swept.draw("regime", x="A", y="f").axes[0]
-    assert across.get_xlabel().startswith("acceleration")
-
-
 def test_files_give_it_and_tables_hold_it(run: Run, no_pictures: None) -> None:
     text = NUT_FILE.replace("= 1\n", '= "4g"\n', 1).replace("frequency_hz = 15", "frequency_hz = 20")
     Path("nut.toml").write_text(
@@ -148,14 +123,3 @@ def test_files_give_it_and_tables_hold_it(run: Run, no_pictures: None) -> None:
     assert record["axes"]["acceleration_g"]["values"] == [1.0, 2.0]
     page = scene_data(request_of_call("nut.toml", {}))
     assert float(page["state"]["amplitude_mm"]) == pytest.approx(1e3 * amplitude, rel=1e-15)
-
-
-def test_several_scenes_and_a_history_are_of_it(run: Run) -> None:
-    rest = ("-f", "20", *NUT_ANGLE_AND_FRICTION)
-    several = run("solve", "-A", "1g,2g", *rest).stdout
-    assert several.startswith("acceleration")
-    one = json.loads(run("simulate", "-A", "2g", *rest, "--json").stdout)
-    amplitude = repr(2e3 * G / (2 * math.pi * 20) ** 2)
-    other = json.loads(run("simulate", "-A", amplitude, *rest, "--json").stdout)
-    assert one["scene"].pop("acceleration_g") == 2.0
-    assert one == other

@@ -12,12 +12,9 @@ import pytest
 from helpers.cases import each
 from helpers.commands import NUT, NUT_ANGLE_AND_FRICTION, POSIX, SMALL, TABLE, TELLS_LOADED, VIBRO, Run, other
 
-import vibro
 from vibro.cli.exit_codes import ExitCode
 from vibro.core.compiled import library_path
 from vibro.interrupts import EXIT_CODE
-
-COMMANDS = ("map", "solve", "traverse-time")
 
 
 @pytest.mark.parametrize("args", [["--version"], ["map", "--help"]])
@@ -33,9 +30,7 @@ def test_solving_loads_numpy_alone() -> None:
     assert done.stdout.splitlines()[-1] == "LOADED ['numpy']"
 
 
-@each(
-    ("given", "threads"), [({}, "1"), ({"OMP_NUM_THREADS": "2"}, "2"), ({"OPENBLAS_NUM_THREADS": "3"}, "3")]
-)
+@each(("given", "threads"), [({}, "1"), ({"OMP_NUM_THREADS": "2"}, "2")])
 def test_products_of_matrices_take_one_thread_unless_the_user_wants_more(
     monkeypatch: pytest.MonkeyPatch, given: dict[str, str], threads: str
 ) -> None:
@@ -49,18 +44,6 @@ def test_products_of_matrices_take_one_thread_unless_the_user_wants_more(
         [sys.executable, "-c", program], env=os.environ | given, capture_output=True, text=True, check=True
     )
     assert done.stdout.splitlines()[-1] == threads
-
-
-@pytest.mark.parametrize("args", [["--version"], *([command, "--version"] for command in COMMANDS)])
-def test_version(run: Run, args: list[str]) -> None:
-    result = run(*args)
-    assert (result.exit_code, result.stdout) == (0, f"vibro {vibro.__version__}\n")
-
-
-def test_without_arguments_help_is_shown(run: Run) -> None:
-    result = run()
-    assert result.exit_code == 0
-    assert all(command in result.stdout for command in COMMANDS)
 
 
 @each(

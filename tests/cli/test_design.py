@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 import re
 from dataclasses import replace
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 from helpers.commands import Run, rows_of
-from helpers.made_designs import ELLIPTICAL, IN_STROKE, QUESTION, answer, found, of_motor, rows
+from helpers.made_designs import IN_STROKE, QUESTION, answer, found, of_motor
 from helpers.questions import answered
 from helpers.read_pages import ReadPage
 
@@ -45,23 +44,6 @@ def ask(run: Run, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Any]:
         return run("design", "nut.toml", *args)
 
     return invoke
-
-
-def test_the_files_of_an_ellipse(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    drive = 'along_amplitude_mm = "0.2:1"\nnormal_amplitude_mm = 0.3\nnormal_phase_deg = "-180:180"\n'
-    head, _, rest = QUESTION.partition("amplitude_mm = 3\n")
-    rest = rest[rest.index("[drift]") :]
-    Path("bowl.toml").write_text(f"{head}{drive}frequency_hz = 25\n{rest}", encoding="utf-8")
-    found(monkeypatch, of_motor(safest=ELLIPTICAL, gentlest=ELLIPTICAL))
-    assert run("design", "bowl.toml", "-o", "bowl").exit_code == 0
-    table = rows_of(Path("bowl.csv").read_text(encoding="utf-8"))
-    assert [name for name in table[0] if "amplitude" in name or "angle" in name or "phase" in name] == [
-        "along_amplitude_mm", "normal_amplitude_mm", "normal_phase_deg", "amplitude_low_mm",
-        "amplitude_high_mm", "amplitude_needed_mm",
-    ]  # fmt: skip
-    assert {path.name for path in Path().glob("bowl-*.png")} == {
-        f"bowl-{n}.png" for n in ("regime", "speed", "band")
-    }
 
 
 def test_json_is_the_answer_alone(ask: Callable[..., Any]) -> None:
@@ -109,19 +91,6 @@ def test_the_files(ask: Callable[..., Any]) -> None:
         for name, value in design.items():
             wanted = "" if value is None else str(int(value)) if isinstance(value, bool | int) else value
             assert row[name] == wanted if isinstance(wanted, str) else float(row[name]) == wanted
-
-
-def test_where_nothing_is_guaranteed_there_is_nothing_to_draw(
-    run: Run, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    Path("nut.toml").write_text(QUESTION, encoding="utf-8")
-    regimes = ("forward-slip", "back-slip", "hopping")
-    empty = [d for drive in ("motor", "magnet") for regime in regimes for d in rows(drive, regime)]
-    found(monkeypatch, answered(False, *empty))
-    result = run("design", "nut.toml", "-o", "nut")
-    assert result.exit_code == 4
-    assert sorted(path.name for path in Path().iterdir()) == ["nut.csv", "nut.json", "nut.toml"]
-    assert json.loads(Path("nut.json").read_text(encoding="utf-8"))["files"] == ["nut.csv", "nut.json"]
 
 
 def test_the_question_is_never_overwritten(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -193,22 +162,3 @@ def test_the_digits_of_settings(
     asked = found(monkeypatch, answer(met=True))
     assert run("design", "nut.toml", *typed).exit_code == 0
     assert [(call.digits, call.goal_only) for call in asked] == [(digits, True)]
-
-
-def test_a_bar_says_what_is_searched(
-    ask: Callable[..., Any], run: Run, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """On a terminal; elsewhere nothing but the answer is written."""
-    told: list[tuple[Any, ...]] = []
-
-    @contextlib.contextmanager
-    def progress(self: Any, label: str, total: int | None) -> Iterator[Callable[..., None]]:
-        told.append((label, total))
-        yield lambda *done: told.append(done)
-
-    monkeypatch.setattr("vibro.cli.console.Console.progress", progress)
-    assert ask("-o", "nut").exit_code == 0
-    what = "motor: gentlest, forward-slip at most"
-    assert told == [
-        ("searching", None), (0, what, 18), (4, what, 18), (18, what, 18), ("drawing", None),
-    ]  # fmt: skip

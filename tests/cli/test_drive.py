@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import json
 import math
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 from helpers.commands import Run, rows_of
 from helpers.fed_machines import feeder, written
-from helpers.read_pages import ReadPage
 
 from vibro import Scene, Status, SteadyCycle, solve
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 BANDS = 'voltage_percent = "90:110"\nfilling_kg = "0:2"\n'
 PACKS = '[[machine.pack]]\nname = "6 leaves"\nnatural_hz = 52.632\n'
@@ -116,29 +118,6 @@ def test_machines_side_by_side_have_the_numbers_of_their_sheets(run: Run, tmp_pa
     assert ["f/f0", "0.9", "1.05"] in lines
 
 
-def test_the_page_has_the_figures_of_the_text(run: Run, tmp_path: Path) -> None:
-    path = written(tmp_path, feeder(1.05, BANDS + PACKS.replace("6 leaves", "<b>six</b>")))
-    text = run("drive", path, "--all", "-o", "sheet.html").stdout
-    page = ReadPage((tmp_path / "sheet.html").read_text(encoding="utf-8"))
-    assert page.row("resonance")[0] in text
-    assert page.row("<b>six</b>")[0] == "52.63"
-
-
-def test_settings_are_quarters_of_the_machines_own(run: Run, tmp_path: Path) -> None:
-    path = written(tmp_path, feeder(1.05, "setting_percent = 80\n"))
-    told = json.loads(run("drive", path, "--json").stdout)
-    assert [row["empty"]["setting_percent"] for row in told["settings"]] == [20.0, 40.0, 60.0, 80.0]
-    told = json.loads(run("drive", path, "setting=40:100", "--json").stdout)
-    assert [row["empty"]["setting_percent"] for row in told["settings"]] == [40.0, 60.0, 80.0, 100.0]
-
-
-def test_bands_of_friction_are_cut_where_kinetic_exceeds_static(run: Run, tmp_path: Path) -> None:
-    path = written(tmp_path, feeder(1.05, BANDS))
-    cut = json.loads(run("drive", path, "--mu-s", "0:0.5", "setting=20", "--json").stdout)
-    whole = json.loads(run("drive", path, "--mu-s", "0.28:0.5", "setting=20", "--json").stdout)
-    assert cut["bounds"][0]["amplitude_mm"] == whole["bounds"][0]["amplitude_mm"]
-
-
 POINTS = """f [Hz];stroke [mm]
 48,0;0,330
 50,0;0,508
@@ -198,11 +177,3 @@ def test_a_fitted_machine_keeps_its_force(run: Run, points: Path, tmp_path: Path
     assert solved.exit_code == 0, solved.stderr
     assert json.loads(solved.stdout)["natural_hz"] == told["machine"]["natural_hz"]
     assert math.isclose(told["machine"]["natural_hz"], told["natural_frequency_hz"]["estimate"], rel_tol=1e-5)
-
-
-def test_the_pack_that_was_measured_is_fitted_too(run: Run, points: Path, tmp_path: Path) -> None:
-    mine = f'[[machine.pack]]\nname = "mine"\nnatural_hz = {50.0 / 1.05!r}\n'
-    path = written(tmp_path, feeder(1.05, PACKS + mine))
-    told = json.loads(run("drive", path, "--fit", points, "--amplitude-error", "2%", "--json").stdout)
-    fitted = {"name": "mine", "natural_hz": told["machine"]["natural_hz"]}
-    assert told["machine"]["pack"] == [{"name": "6 leaves", "natural_hz": 52.632}, fitted]

@@ -79,35 +79,6 @@ def test_without_a_scene_it_begins_with_the_nut(run: Run, opened: list[Path]) ->
     assert (scene["name"], scene["state"]["drive"]) == ("", "line")
 
 
-def test_options_alone_change_the_nut(run: Run, opened: list[Path]) -> None:
-    file = Path("safety_nut.toml")
-    file.write_text(Path(SCENE).read_text(encoding="utf-8"), encoding="utf-8")
-    for args in (
-        ("-A", "800um", "-f", "10:40"),
-        ("along=1", "normal=0.3", "phase=10"),
-        ("--mu-ratio", "0.5"),
-    ):
-        opened.clear()
-        assert run("explore", *args).exit_code == run("explore", str(file), *args).exit_code == 0
-        (alone,), (filed,) = (scenes_of(page.read_text(encoding="utf-8")) for page in opened)
-        assert alone["name"] == "nut"
-        assert alone["state"] == filed["state"]
-
-
-def test_a_third_axis_is_held_and_told(run: Run, opened: list[Path]) -> None:
-    result = run("explore", SCENE, "-A", "1:2", "-f", "10:40", "-a", "10:30")
-    assert "warning: drive angle: the map has two axes, and the page holds this one" in result.stderr
-    (scene,) = scenes_of(opened[0].read_text(encoding="utf-8"))
-    assert (scene["state"]["x"], scene["state"]["y"]) == ("frequency_hz", "amplitude_mm")
-
-
-def test_a_pack_takes_the_place_of_the_files_axis(run: Run, opened: list[Path]) -> None:
-    assert run("explore", str(EXAMPLES / "full_feeder.toml"), "--pack", "6 leaves").exit_code == 0
-    (scene,) = scenes_of(opened[0].read_text(encoding="utf-8"))
-    assert scene["state"]["natural_hz"] == "52.632"
-    assert "natural_hz" not in (scene["state"]["x"], scene["state"]["y"])
-
-
 def test_several_scenes_are_tabs_and_options_change_each(run: Run, opened: list[Path]) -> None:
     other = str(EXAMPLES / "climbing_track.toml")
     result = run("explore", SCENE, other, "--mu-s", "0.8")

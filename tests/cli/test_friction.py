@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import json
 from typing import TYPE_CHECKING
-
-import pytest
 
 from vibro.friction import rows
 
@@ -31,25 +28,3 @@ def test_all_rows_stand_below_their_headings(run: Run) -> None:
     assert lines[1][heading.index("mu_s") :].split()[:2] == ["0.12:0.6", "0.08:0.5"]
     (pellets,) = (line for line in lines if line.startswith("polyethylene on steel"))
     assert pellets[heading.index("mu_s") :].split()[:4] == ["-", "-", "0.335:0.364", "0.79:0.93"]
-
-
-def test_json_has_restitution_and_its_impact_speed(run: Run) -> None:
-    content = json.loads(run("friction", "polyethylene on steel", "--json").stdout)["rows"][0]
-    assert {key: value for key, value in content.items() if "low" in key or "high" in key} == {
-        "static_friction_low": None,
-        "static_friction_high": None,
-        "kinetic_friction_low": None,
-        "kinetic_friction_high": None,
-        "restitution_low": 0.335,
-        "restitution_high": 0.364,
-        "impact_speed_low_m_s": 0.79,
-        "impact_speed_high_m_s": 0.93,
-    }
-
-
-@pytest.mark.parametrize("words", [["steel", "on", "steel"], ["steel on steel"], ["Steel on STEEL"]])
-def test_a_pair_may_be_typed_with_or_without_quotes(run: Run, words: list[str]) -> None:
-    result = run("friction", *words)
-    assert result.exit_code == 0
-    assert sum(line.startswith("steel on steel  ") for line in result.stdout.splitlines()) == 9
-    assert "brass" not in result.stdout

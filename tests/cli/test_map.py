@@ -127,12 +127,6 @@ def test_pictures_of_flight_on_request(run: Run) -> None:
 
 
 @pytest.mark.usefixtures("unsaved")
-def test_one_axis_has_lines_of_flight(run: Run) -> None:
-    assert run("map", *other(NUT, "-A", "1:6:5"), "--show", "impact,flight", "-o", "hop").exit_code == 0
-    assert names() == ["hop-flight.png", "hop-impact.png", "hop-speed.png", "hop.csv", "hop.json"]
-
-
-@pytest.mark.usefixtures("unsaved")
 def test_regimes_alone(run: Run) -> None:
     assert run(*HOPS, "--regimes-only").exit_code == 0
     assert [name for name in names() if name.endswith(".png")] == ["hop-regime.png"]
@@ -157,11 +151,6 @@ def test_infeasible_combinations_are_rows_without_numbers(run: Run) -> None:
         if infeasible:
             empty = set(row) - given - {"trough_angle_deg", "restitution", "status"}
             assert {row[name] for name in empty} == {""}
-
-
-def test_a_drive_may_point_beyond_the_vertical(run: Run) -> None:
-    result = run("map", *other(NUT, "-a", "10, 60"), "--trough-angle", "0.0,40", "-o", "-")
-    assert [row["status"] for row in rows_of(result.stdout)] == ["ok", "runaway", "ok", "runaway"]
 
 
 def test_a_ratio_is_an_axis_and_a_stroke_is_its_amplitude(run: Run) -> None:

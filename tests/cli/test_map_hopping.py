@@ -51,3 +51,16 @@ def test_restitution_is_an_axis(run: Run) -> None:
         alone = run("solve", *other(NUT, "-A", "4.5"), "--restitution", row["restitution"], "-o", "-").stdout
         (same,) = rows_of(alone)
         assert {name: row[name] for name in same} == same
+
+
+def test_every_map_tells_the_share_that_reaches_a_speed(run: Run) -> None:
+    axes = ("-A", "0.5:3:6", "-f", "20:60:5", *NUT[4:], "--restitution", "0.6")
+    result = run("map", *axes, "--speed", "150", "-o", "-")
+    rows = rows_of(result.stdout)
+    fast = [row for row in rows if float(row["mean_velocity_mm_s"] or "-inf") >= 150.0]
+    means = sum(row["status"] == "averaged" for row in fast)
+    assert 0 < means < len(fast) < len(rows) == 30
+    assert result.stderr.splitlines()[-1] == (
+        f"at least 150 mm/s: {len(fast)} of 30 possible cells ({100.0 * len(fast) / 30:.1f} %),"
+        f" {means} of them by the mean of irregular motion"
+    )

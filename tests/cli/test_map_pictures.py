@@ -7,17 +7,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from helpers.commands import NUT, NUT_ANGLE_AND_FRICTION, Run, other
+from helpers.commands import NUT_ANGLE_AND_FRICTION, Run
 from helpers.drawn import curve, legend, only_map
 
 from vibro.plots import map_figures
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-
-def names() -> list[str]:
-    return sorted(path.name for path in Path().rglob("*") if path.is_file())
 
 
 @pytest.fixture
@@ -72,17 +68,6 @@ def test_what_pictures_do_not_show_is_said(run: Run) -> None:
     assert result.exit_code == 0
     assert "pictures" not in result.stderr
     assert "pictures" not in run(*args, "-o", "-").stderr
-
-
-@pytest.mark.usefixtures("unsaved")
-def test_a_list_beside_a_range_is_curves(run: Run) -> None:
-    args = ("map", "-A", "0.01:0.3:5", "-f", "50, 100", *NUT_ANGLE_AND_FRICTION)
-    assert run(*args, "-o", "all").exit_code == 0
-    assert run(*args, "-o", "few", "--regimes-only").exit_code == 0
-    assert run("map", *other(NUT, "-f", "25,50,100"), "-o", "dots").exit_code == 0
-    assert [name for name in names() if name.endswith(".png")] == [
-        "all-speed.png", "dots-speed.png",
-    ]  # fmt: skip
 
 
 def test_a_map_is_not_at_rest_because_its_last_cells_are(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:

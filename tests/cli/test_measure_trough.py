@@ -15,7 +15,6 @@ import pytest
 from helpers.commands import Run, rows_of
 from helpers.feeders import Feeder, feeder
 from helpers.made_records import EXAMPLES, trough_record
-from typer.testing import Result
 
 import vibro
 from vibro.records.reading import read_sensitivities
@@ -161,7 +160,6 @@ def test_a_scene_file_gives_the_rest_of_the_scene(run: Run, made: tuple[Path, Fe
     """Its own motion, of whatever kind, is not the trough's."""
     own = "[scene]\nfrequency_hz = 30\nstatic_friction = 0.74\nfriction_ratio = 0.75\ntrough_angle_deg = 2\n"
     for drive in (
-        "stroke_mm = 5\ndrive_angle_deg = 3\n",
         "along_amplitudes_mm = [9, 1, 1, 1]\nalong_phases_deg = [0, 0, 0, 5]\n",
         "[motion]\nalong_steps = [[0.8, 2.4], [0.2, -9.6]]\n",
         "drive_angle_deg = 20\n"
@@ -178,25 +176,24 @@ def test_a_scene_file_gives_the_rest_of_the_scene(run: Run, made: tuple[Path, Fe
         assert not {"amplitude_mm", "stroke_mm", "drive_angle_deg"} & written.keys()
 
 
-def test_a_column_of_a_part_with_holes_is_left_out(run: Run, parted: Path) -> None:
-    header, *rows = parted.read_text(encoding="utf-8").splitlines()
-    Path("holes.csv").write_text(
-        "\n".join([header, *(row.rpartition(",")[0] + "," for row in rows)]), "utf-8"
-    )
-    result = run("measure", "holes.csv", *BOTH, "--mu-s", ".4", "--mu-d", ".3", "--json")
-    assert "figures" not in told(result)
-    assert "displacement: column 'way [mm]' lacks values" in result.stderr
-    assert run("measure", "holes.csv", *BOTH, "--displacement", "way").exit_code == 2
+def test_a_part_of_a_record_is_chosen_by_its_times(run: Run) -> None:
+    args = ("measure", NUT, *SENSORS, "--json")
+    whole, part = told(run(*args)), told(run(*args, "--from", "0.1", "--to", "0.7"))
+    assert part["rows"] == pytest.approx(360, abs=5)
+    assert whole["rows"] > 450
+    for wrong, text in (("50", "0 rows lie from 50 to"), ("x", "'x'")):
+        refused = run(*args, "--from", wrong)
+        assert (refused.exit_code, text in refused.stderr) == (2, True)
 
 
-@pytest.mark.parametrize("unit", ["g", "mV", "mm/s", "um"])
+@pytest.mark.parametrize("unit", ["g", "mV", "um"])
 def test_a_record_in_any_unit_gives_the_same(run: Run, unit: str) -> None:
     true = feeder(2)
-    kind = {"mm/s": "velocity", "mm": "displacement", "um": "displacement"}.get(unit, "acceleration")
+    kind = "displacement" if unit == "um" else "acceleration"
     record = true.record(2, seconds=1.0, density=0.0, kind=kind)
-    sizes = {"g": 9.80665, "m/s^2": 1.0, "mV": 9.80665 / 98.7, "mm": 1e-3, "um": 1e-6}
+    sizes = {"g": 9.80665, "mV": 9.80665 / 98.7, "um": 1e-6}
     table = np.stack([1e3 * record.time, *record.trough.values()], axis=1)
-    table[:, 1:] /= sizes.get(unit, 1e-3)
+    table[:, 1:] /= sizes[unit]
     header = f"t [ms];x [{unit}];y [{unit}]"
     np.savetxt("r.csv", table, "%.12g", ";", header=header, comments="")
     sensitivity = ("--sensitivity", "98.7mV/g") if unit == "mV" else ()
@@ -230,27 +227,6 @@ def test_a_part_is_computed_on_the_harmonics_that_change_its_speed(run: Run, par
     assert found == pytest.approx(1e3 * abs(measured.along[2]))
 
 
-def test_it_is_computed_on_the_fundamental_where_harmonics_do_not_matter_or_are_not_known(
-    run: Run, parted: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    args = ("measure", parted, "--displacement", "way", *BOTH, "--mu-s", ".4", "--mu-d", ".3", "--json")
-    for change, said in ((1e-3, False), (float("nan"), True)):
-        monkeypatch.setattr("vibro.records.trough.change_by_harmonics", lambda *_, x=change: x)
-        result = run(*args)
-        assert "along_amplitudes_mm" not in told(result)["scene"]
-        assert ("the first is taken alone" in result.stderr) == said
-
-
-def test_harmonics_of_one_sensor_go_along_the_line_of_the_scene(run: Run, parted: Path) -> None:
-    args = ("--displacement", "way", *BOTH[:2], *NOISE_ALONE, "--mu-s", ".4", "--mu-d", ".3", "--json")
-    found = told(run("measure", parted, *args, "-a", "25"))["scene"]
-    slope = np.tan(np.radians(25.0))
-    assert found["normal_amplitudes_mm"][2] == pytest.approx(
-        slope * found["along_amplitudes_mm"][2], rel=1e-4
-    )
-    assert "along_amplitudes_mm" not in told(run("measure", parted, *args, "normal=0.2"))["scene"]
-
-
 def test_reverse_leaves_a_sensor_normal_to_the_trough_as_it_is(run: Run) -> None:
     """It turns the axis along the trough; upwards stays upwards."""
     args = ("measure", SCENE, NUT, *NORMAL, "--sensitivity", "100mV/g", "--json", "-q")
@@ -274,19 +250,6 @@ def feeder_file(harmonic: float, *, cycles: float = 12.0, ellipse: float = 0.0) 
 
 
 PAIR = ("--trough-along", "trough_along", "--trough-normal", "trough_normal")
-
-
-def test_a_fit_takes_harmonics_whatever_the_first_scene_makes_of_them(run: Run) -> None:
-    """Frictions with which the body would rest make no difference of speed: they are only a start."""
-    rests = ("--mu-s", "2", "--mu-d", "1.5")
-    for harmonic, order in ((0.05, 3), (0.0, 1)):
-        data = feeder_file(harmonic)
-        plain = run("measure", data, *rests, *PAIR, "--json")
-        fitted = run("measure", data, *rests, *PAIR, "--fit", "mu_d", "--json")
-        assert plain.exit_code == fitted.exit_code == 0
-        assert "harmonics" not in plain.stderr
-        assert ("moves with 3 harmonics: they are part of the fit" in fitted.stderr) == (order == 3)
-        assert ("along_amplitude_3_mm" in told(fitted)["trough"]) == (order == 3)
 
 
 def test_a_fit_without_the_harmonics_is_refused(run: Run) -> None:
@@ -313,90 +276,3 @@ def test_the_sensitivities_of_the_guide_are_understood() -> None:
     assert len(texts) > 5
     for text in texts:
         assert read_sensitivities([text])
-
-
-# --- records that are not what they seem: a start, a slow logger, few samples, a sweep -------------------
-
-
-def written(path: Path, rate: float, seconds: float, accelerations: Any, angle_deg: float) -> str:
-    """Write a record of accelerations along a line [m/s^2], with noise of 5 mg and gravity."""
-    random = np.random.default_rng(1)
-    time = np.arange(int(seconds * rate)) / rate
-    along, normal = (np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg)))
-    own = accelerations(time)
-    columns = (time, along * own, normal * own + 9.81)
-    noise = [0.0 * time, *(0.05 * random.standard_normal((2, time.size)))]
-    table = np.stack(columns, axis=1) + np.stack(noise, axis=1)
-    np.savetxt(path, table, "%.6f", ",", header="Time (s),ax (m/s^2),az (m/s^2)", comments="")
-    return str(path)
-
-
-def refusal(result: Result) -> str:
-    assert result.exit_code == 2
-    return str(result.stderr)
-
-
-SEEMING = ("--trough-along", "ax", "--trough-normal", "az")
-
-
-def test_of_a_start_the_steady_part_is_measured(run: Run, tmp_path: Path) -> None:
-    """The amplitude grows to 1 mm by 1 - exp(-2 t); parts hop on it."""
-    size = 1e-3 * (2.0 * np.pi * 25.0) ** 2
-    record = written(
-        tmp_path / "start.csv",
-        500.0,
-        4.0,
-        lambda t: -size * (1.0 - np.exp(-2.0 * t)) * np.sin(50.0 * np.pi * t),
-        25.0,
-    )
-    result = run("measure", record, *SEEMING, "--mu-s", "0.5", "--mu-d", "0.4", "--json")
-    assert "warning: the amplitude rises from 0.1" in result.stderr
-    assert "the steady part from 2." in result.stderr
-    trough = json.loads(result.stdout)["trough"]
-    assert trough["amplitude_mm"]["measured"] == pytest.approx(1.0, abs=0.005)
-    chosen = run("measure", record, *SEEMING, "--from", "3", "--to", "3.9", "--json")
-    assert json.loads(chosen.stdout)["rows"] == 451
-    assert "steady" not in chosen.stderr
-    for wrong, text in (("5", "0 rows lie from 5 to 3.998 s"), ("x", "'x'")):
-        assert text in refusal(run("measure", record, *SEEMING, "--from", wrong))
-
-
-def test_a_feeder_above_half_the_sampling_rate(run: Run, tmp_path: Path) -> None:
-    """0.02 mm at 100 Hz, which a telephone of 101 samples a second shows at 1.14 Hz."""
-    size = 2e-5 * (200.0 * np.pi) ** 2
-    record = written(
-        tmp_path / "phone.csv", 101.14, 10.0, lambda t: -size * np.sin(200.0 * np.pi * t + 0.7), 20.0
-    )
-    drive = ("-f", "100", "-a", "20", "-A", "0.02", "--mu-s", "0.5", "--mu-d", "0.4")
-    scene = tmp_path / "feeder.toml"
-    scene.write_text(
-        "[scene]\namplitude_mm = 0.02\nfrequency_hz = 100\ndrive_angle_deg = 20\n"
-        "static_friction = 0.5\nkinetic_friction = 0.4\n"
-    )
-    result = run("measure", str(scene), record, *SEEMING, "--json")
-    found = json.loads(result.stdout)
-    assert found["trough"]["amplitude_mm"]["measured"] == pytest.approx(0.02, rel=0.01)
-    speed = float(json.loads(run("solve", *drive, "--json").stdout)["mean_velocity_mm_s"])
-    assert found["speed"]["mean_velocity_mm_s"] == pytest.approx(speed, rel=0.01)
-    assert "(aliasing)" in result.stderr
-    refused = refusal(run("measure", record, *SEEMING))
-    assert "drives of 100 Hz (0.02 mm), 102.3 Hz (0.019 mm)" in refused
-    assert "of 0.14 m at 1.14 Hz is not credible" in refused
-
-
-def test_four_samples_a_cycle_and_a_sweep(run: Run, tmp_path: Path) -> None:
-    size = 5e-5 * (200.0 * np.pi) ** 2
-    few = written(tmp_path / "few.csv", 411.57, 4.0, lambda t: -size * np.sin(200.0 * np.pi * t + 0.7), 20.0)
-    result = run("measure", few, *SEEMING, "--json")
-    assert json.loads(result.stdout)["trough"]["amplitude_mm"]["measured"] == pytest.approx(0.05, rel=0.01)
-    assert "4.12 samples a cycle show the first harmonic alone" in result.stderr
-    sweep = written(
-        tmp_path / "sweep.csv",
-        500.0,
-        4.0,
-        lambda t: -25.0 * np.sin(2.0 * np.pi * (24.0 * t + 0.25 * t**2)),
-        25.0,
-    )
-    for options in ((), ("-f", "25")):
-        text = refusal(run("measure", sweep, *SEEMING, *options))
-        assert "the frequency changes, from 24 to 26 Hz" in text

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import re
 from pathlib import Path
-from typing import Any
 
 import pytest
 from helpers.commands import Run, rows_of
@@ -29,18 +28,6 @@ def test_the_page_tells_the_speeds_of_its_command(run: Run) -> None:
         speed, *error = (float(number) for number in told.split(" ± "))
         assert float(row["mean_velocity_mm_s"]) == pytest.approx(speed, abs=0.05)
         assert float(row["mean_velocity_error_mm_s"]) == pytest.approx(sum(error), abs=0.05)
-
-
-def test_captions_tell_it_where_parts_hop_alone() -> None:
-    at: dict[str, Any] = {
-        "frequency_hz": 20,
-        "drive_angle_deg": 30,
-        "static_friction": 0.5,
-        "kinetic_friction": 0.4,
-    }
-    for amplitudes, restitution, told in (("1, 2", 0.0, True), ("0.1,0.2", 0.0, False), ("1, 2", 0.3, True)):
-        figure = vibro.sweep(amplitude_mm=amplitudes, restitution=restitution, **at).draw("speed")
-        assert (f"$e$ = {restitution:g}" in figure.get_suptitle()) is told
 
 
 def test_a_mean_that_a_cycle_ends_says_so(run: Run) -> None:

@@ -33,10 +33,3 @@ def test_it_writes_a_file_that_is_not_replaced_unasked(run: Run) -> None:
     assert json.loads(Path("out/design.json").read_text(encoding="utf-8")) == schema_of(FILES["scene"])
     run("schema", "-o", "out/")
     assert Path("out/vibro-scene.schema.json").exists()
-
-
-def test_another_kind_is_exit_code_2(run: Run) -> None:
-    result = run("schema", "goal")
-    assert (result.exit_code, result.stdout) == (2, "")
-    assert "'goal' is not one of 'scene', 'design'" in result.stderr
-    assert result.stderr.endswith("hint: see vibro schema --help\n")

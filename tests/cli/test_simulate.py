@@ -87,24 +87,6 @@ def test_the_picture_shows_the_end_or_what_is_asked_for(
     assert said == ([f"the picture shows {part.removeprefix('time [ms], ')}"] if "," in part else [])
 
 
-@pytest.mark.usefixtures("unsaved")
-def test_its_table_can_be_compared_with_the_scene(run: Run) -> None:
-    assert run("simulate", SCENE, "--cycles", "8", "-o", "own", "-q").exit_code == 0
-    result = run("measure", SCENE, "own.csv", "--json")
-    assert result.exit_code == 0, result.stderr
-    answer = json.loads(result.stdout)
-    assert set(answer["columns"]) == {"time", "displacement", "velocity", "acceleration"}
-    assert answer["columns"]["displacement"] == "relative_position_mm"
-    figures = answer["figures"]
-    assert figures["stroke_advance"]["measured"] == pytest.approx(
-        figures["stroke_advance"]["computed"], rel=1e-5
-    )
-    period = 1 / 15
-    shift = answer["trough_time_at_zero_s"]
-    assert min(shift, period - shift) < 1e-5
-    assert figures["rms_velocity"]["measured"] < 0.02
-
-
 def test_a_history_has_a_cap_that_says_what_to_do(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("vibro.motion.histories.MOST_PHASES", 2000)
     irregular = ("simulate", SCENE, "-A", "5", "--restitution", "0.8", "--samples-per-cycle", "0")

@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from helpers.commands import Run
 from helpers.plans import store
 from PIL import Image
 
 import vibro
 
 if TYPE_CHECKING:
+    from helpers.commands import Run
+
     from vibro.sweeps.whole import Sweep
 
 GIVEN: dict[str, Any] = {"static_friction": "0.3,0.74", "friction_ratio": "0.5:0.9:5"}
@@ -68,31 +69,6 @@ def test_pictures_are_drawn_of_what_is_stored(run: Run, wide: Path, held: Sweep)
     held.draw("flight", at={"mu_s": 0.3, "mu_ratio": 0.7}).savefig("held.png", metadata={})
     drawn, expected = (np.asarray(Image.open(name)) for name in ("wide-flight.png", "held.png"))
     np.testing.assert_array_equal(drawn, expected)
-
-
-@pytest.mark.usefixtures("unsaved")
-def test_shared_options_work(run: Run, wide: Path) -> None:
-    line = ("--at", "A=3.1,mu_s=.3,mu_ratio=0.7")
-    args = ("map", ".", *line, "-q", "--json", "-o", "../")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.chdir(wide)
-        result = run(*args)
-    assert (result.exit_code, result.stderr) == (0, "")
-    assert json.loads(result.stdout) == json.loads(Path("wide.json").read_text(encoding="utf-8"))
-    assert run("map", "wide", *line).exit_code == 1
-    assert run("map", "wide", *line, "--force").exit_code == 0
-
-
-def test_pictures_without_their_columns_leave_nothing(
-    run: Run, held: Sweep, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.undo()
-    monkeypatch.chdir(tmp_path)
-    store(held, tmp_path / "few", columns=["amplitude_mm", "regime"], shard_cells=1000)
-    result = run("map", "few")
-    assert result.exit_code == 2
-    assert "error: there is no picture without the columns mean_velocity_mm_s, displace" in result.stderr
-    assert names() == []
 
 
 def test_what_was_not_solved_is_not_drawn(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -4,14 +4,10 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import openpyxl
 import pytest
-from helpers.commands import rows_of
-
-import vibro
-from vibro.quantities import as_given
 
 if TYPE_CHECKING:
     from helpers.commands import Run
@@ -58,15 +54,6 @@ def test_what_was_given_is_told_whichever_the_scene_file_has(run: Run, scene: Pa
     assert "amplitude" not in told
 
 
-def test_a_swept_stroke_is_echoed_and_its_table_has_amplitudes(
-    run: Run, scene: Path, no_pictures: None
-) -> None:
-    result = run("map", scene, "--stroke", "1,2,3", "-f", "10:30:3", "-o", "swept")
-    assert result.exit_code == 0
-    rows = rows_of(Path("swept.csv").read_text(encoding="utf-8"))
-    assert {row["amplitude_mm"] for row in rows} == {"0.5", "1", "1.5"}
-
-
 def test_workbooks_are_in_strokes(run: Run, scene: Path, no_pictures: None) -> None:
     args = ("map", scene, "--stroke", "1:3:5", "-f", "10:30:5")
     result = run(*args, "-o", "book.xlsx")
@@ -89,19 +76,3 @@ def test_a_stored_sweep_remembers_in_what_it_was_asked(run: Run, scene: Path) ->
     # The cells are the same ones in amplitudes: such a run has nothing left to solve.
     amplitudes = ("-A", "0.5:1.5:5", "-f", "10:30:5", "-o", "cells.parquet")
     assert run("map", scene, *amplitudes).exit_code == 0
-
-
-def test_a_curve_s_caption_and_a_held_stroke() -> None:
-    nut: dict[str, Any] = {"drive_angle_deg": 20, "static_friction": 0.74, "kinetic_friction": 0.57}
-    swept = vibro.sweep(stroke_mm=[1, 2, 3], frequency_hz="10:30:21", **nut)
-    speed = swept.draw("speed", x="f", at={"stroke_mm": 2})
-    assert "$2A$ = 2 mm" in speed.get_suptitle()
-    assert swept.draw("speed", x="f", at={"A": 1}).get_suptitle() == speed.get_suptitle()
-    assert "stroke" in swept._repr_html_()
-    assert list(swept.axes) == ["amplitude_mm", "frequency_hz"]  # as in tables
-
-
-def test_strokes_and_amplitudes_are_exact_in_each_other() -> None:
-    for stroke in (1.7, 0.1, 1e-300, 5.3):
-        amplitude = as_given({"stroke": stroke}, in_stroke=False)
-        assert as_given(amplitude, in_stroke=True) == {"stroke": stroke}

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import re
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
 from helpers.commands import NUT, NUT_FILE, Run, other, rows_of
 
 from vibro.core.codes import Status
-from vibro.results.steady import SteadyCycle
 from vibro.steady import solve
+
+if TYPE_CHECKING:
+    from vibro.results.steady import SteadyCycle
 
 SCENE = NUT_FILE + "trough_length_mm = 600\n\n[map]\namplitude_mm = [0.5, 1, 1.5]\n"
 
@@ -56,20 +57,6 @@ def test_a_sweep_is_printed_where_no_file_is_asked_for(run: Run) -> None:
         for name, value in cell.items():
             assert row[name] == ("" if value is None else str(value).removesuffix(".0"))
     assert list(Path().iterdir()) == []
-
-
-def test_an_arrival_on_the_way_into_a_cycle_may_be_unknown_too(
-    run: Run, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def unknown(scene: Any, length: Any) -> Any:
-        return np.full(np.broadcast_shapes(scene.shape, np.shape(length)), np.nan)
-
-    monkeypatch.setattr("vibro.sweeps.run.arrival_time", unknown)
-    args = ("traverse-time", *other(NUT, "-A", "4"), "-L", "600")
-    assert json.loads(run(*args, "--json").stdout)["arrival_time_s"] is None
-    text = run(*args).stdout
-    assert re.fullmatch(r"traverse time  [\d.]+ s over 600 mm \(from rest unknown\)", text.splitlines()[0])
-    assert "±" not in text
 
 
 def test_which_way_an_uncertain_mean_goes_is_left_open(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -50,7 +50,8 @@ TELLS_LOADED = (
     """
 import atexit, sys
 
-heavy = "numpy", "numpy.ma", "scipy", "pandas", "matplotlib", "rich", "pydantic", "vibro.core.waves"
+heavy = "numpy", "numpy.ma", "scipy", "pandas", "matplotlib", "rich", "pydantic"
+heavy += "vibro.core.waves", "vibro.machines"
 atexit.register(lambda: print("LOADED", [name for name in heavy if sys.modules.get(name)]))
 from vibro.__main__ import main
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from helpers.draws import draws
 
-from vibro.machines.fitting import fit_response, least_squares
+from vibro.machines.fitting import fit_response
 
 if TYPE_CHECKING:
     from vibro.machines.fitting import Law
@@ -32,30 +32,6 @@ def amplitudes(x: Any, damping: float, law: str) -> Any:
     return (x**2 if law == "square" else 1.0) / np.sqrt((1.0 - x**2) ** 2 + 4.0 * (damping * x) ** 2)
 
 
-def number(text: str) -> float:
-    """Read a cell, which may be empty."""
-    return float(text or "nan")
-
-
-def test_the_table_is_whole() -> None:
-    assert len(ROWS) == 9
-    assert {row["force_law"] for row in ROWS} == {"constant", "square"}
-
-
-@pytest.mark.parametrize("row", ROWS, ids=lambda row: row["id"])
-def test_reference(row: dict[str, str]) -> None:
-    points, error = points_of(row), float(row["amplitude_sd"])
-    found = least_squares(points[:, 0], points[:, 1], np.full(len(points), error), row["force_law"])
-    close: dict[str, Any] = {"rel": 1e-8, "nan_ok": True}
-    damping = math.sqrt(found.damping_squared) if found.damping_squared > 0.0 else math.nan
-    assert found.natural_frequency == pytest.approx(number(row["f0_hz"]), **close)
-    assert found.damping_squared == pytest.approx(number(row["damping_squared"]), **close)
-    assert damping == pytest.approx(number(row["damping_ratio"]), **close)
-    assert 1e3 * found.static_amplitude == pytest.approx(number(row["static_amplitude_mm"]), **close)
-    assert found.natural_frequency_sd == pytest.approx(number(row["f0_sd_hz"]), **close)
-    assert found.damping_squared_sd / (2.0 * damping) == pytest.approx(number(row["damping_sd"]), **close)
-
-
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row["id"])
 def test_no_estimate_without_points_on_both_sides(row: dict[str, Any]) -> None:
     law: Law = row["force_law"]
@@ -66,14 +42,18 @@ def test_no_estimate_without_points_on_both_sides(row: dict[str, Any]) -> None:
         assert not found.brackets_peak
         assert np.isnan([found.natural_frequency, found.damping_ratio, found.static_amplitude]).all()
     else:
-        assert found.natural_frequency == pytest.approx(float(row["f0_hz"]), rel=1e-8)
-        assert found.damping_ratio == pytest.approx(float(row["damping_ratio"]), rel=1e-8)
+        for got, name in (
+            (found.natural_frequency, "f0_hz"), (found.damping_ratio, "damping_ratio"),
+            (1e3 * found.static_amplitude, "static_amplitude_mm"),
+            (found.natural_frequency_sd, "f0_sd_hz"), (found.damping_ratio_sd, "damping_sd"),
+        ):  # fmt: skip
+            assert got == pytest.approx(float(row[name]), rel=1e-8), name
 
 
 COVERED = [
-    pytest.param([0.94, 0.98, 1.04], 0.04, "constant", True, 120, id="three points"),
-    pytest.param([0.95, 0.98, 1.0, 1.02, 1.05], 0.04, "constant", False, 80, id="error from residuals"),
-    pytest.param([1.05, 1.2, 1.4, 2.0], 0.03, "square", True, 80, id="above alone"),
+    pytest.param([0.94, 0.98, 1.04], 0.04, "constant", True, 80, id="three points"),
+    pytest.param([0.95, 0.98, 1.0, 1.02, 1.05], 0.04, "constant", False, 50, id="error from residuals"),
+    pytest.param([1.05, 1.2, 1.4, 2.0], 0.03, "square", True, 50, id="above alone"),
 ]
 
 

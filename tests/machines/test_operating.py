@@ -109,21 +109,6 @@ def test_the_worked_feeder(
     assert tuple(np.round(100.0 * (shifted / empty - 1.0))) == mains
 
 
-def test_the_published_feeder() -> None:
-    """Wang et al., 57(12) 2025, 228: 1 t takes 32.35 % of 3.4 mm on one mass, and 8.82 % on two."""
-    amplitudes = 3.4e-3 * (1.0 - np.array([0.0, 0.3235, 0.0882]))
-    scene = vibro.Scene(
-        amplitude=amplitudes,
-        frequency=16.0,
-        drive_angle=math.radians(30.0),
-        static_friction=0.6,
-        kinetic_friction=0.5,
-    )
-    empty, one, two = vibro.solve(scene).mean_velocity
-    assert (round(1e3 * empty), round(1e3 * one), round(1e3 * two)) == (185, 116, 165)
-    assert (round(100.0 * (one / empty - 1.0)), round(100.0 * (two / empty - 1.0))) == (-37, -11)
-
-
 @st.composite
 def cases(draw: st.DrawFn, most_throw: float = 1.0) -> tuple[Machine, dict[str, Any]]:
     """Draw a magnet with a filling."""
@@ -191,18 +176,6 @@ def test_a_dense_search_finds_no_smaller_point(drawn: tuple[Machine, dict[str, A
     assert len(listed) == points.number
 
 
-def test_a_filling_that_does_not_slip_is_a_mass() -> None:
-    points = vibro.operate(feeder(1.05), setting=0.05, filling=2.0, **SLIDER)
-    assert points.added_mass_share == 1.0
-    assert points.added_damping_share == 0.0
-    assert points.second_harmonic == 0.0
-    assert points.amplitude == points.amplitude_sine
-    assert not points.uncertain
-    right = feeder(1.05).response(50.0, setting=0.05, added_mass=2.0)
-    assert points.amplitude == pytest.approx(right.amplitude, rel=1e-14)
-    assert points.filled_frequency_ratio == 50.0 / right.filled_natural_frequency
-
-
 def test_several_points_beside_an_onset_are_counted_and_listed() -> None:
     """Above resonance a filling that begins to slip back lets the feeder reach more: both states hold."""
     case = {**SLIDER, "setting": 0.47, "filling": 2.7}
@@ -245,28 +218,6 @@ def test_a_jump_without_a_point_is_told() -> None:
     assert calm.amplitude[0] == calm.amplitude_sine[0]
 
 
-def test_machines_whose_filling_never_slips_need_no_search() -> None:
-    points = vibro.operate(feeder(1.05), setting=0.05, filling=[1e-9, 1e-6], **SLIDER)
-    assert list(points.number) == [1, 1]
-    assert list(points.added_mass_share) == [1.0, 1.0]
-
-
-def test_known_shares_need_no_solver() -> None:
-    machine = feeder(1.05)
-    known = vibro.operate(
-        machine, filling=[1.0, 2.0], added_mass_share=0.2, added_damping_share=[[0.0], [0.1]], **SLIDER,
-        setting=[[1.0], [1.0]],
-    )  # fmt: skip
-    right = machine.response(50.0, added_mass=np.array([1.0, 2.0]) * (0.2 - 1j * np.array([[0.0], [0.1]])))
-    assert known.amplitude == pytest.approx(right.amplitude, rel=1e-14)
-    assert np.isnan(known.second_harmonic).all()
-    empty = vibro.operate(machine, setting=[0.5, 1.0], **SLIDER)
-    assert empty.amplitude == pytest.approx([0.175e-3, 0.35e-3], rel=1e-14)
-    assert (empty.amplitude == empty.amplitude_empty).all()
-    assert np.isnan(empty.added_mass_share).all()
-    assert list(empty.second_harmonic) == [0.0, 0.0]
-
-
 def test_a_grid_has_the_bits_of_its_cells() -> None:
     fill, setting = np.array([0.0, 0.7, 2.0, 3.1]), np.array([[0.3], [0.9], [1.3]])
     grid = vibro.operate(feeder(1.05), filling=fill, setting=setting, **SLIDER)
@@ -278,22 +229,6 @@ def test_a_grid_has_the_bits_of_its_cells() -> None:
             one = vibro.operate(feeder(1.05), filling=fill[j], setting=setting[i, 0], threads=1, **SLIDER)
             for name in ("amplitude", "added_mass_share", "second_harmonic", "phase", "relative_amplitude"):
                 assert np.array_equal(getattr(one, name), getattr(grid, name)[i, j], equal_nan=True), name
-
-
-def test_a_crank_keeps_its_radius_and_still_weighs_the_filling() -> None:
-    points = vibro.operate(Machine.crank(radius=0.3e-3), filling=2.0, **SLIDER)
-    assert points.amplitude == 0.3e-3
-    assert points.added_mass_share == vibro.filling(points.scene).added_mass_share
-    assert points.second_harmonic == 0.0
-    assert points.status == Status.OK
-    irregular = vibro.operate(
-        Machine.crank(radius=1e-3),
-        filling=2.0,
-        restitution=0.5,
-        **{**SLIDER, "drive_angle": math.radians(50.0)},
-    )
-    assert irregular.status == Status.AVERAGED
-    assert (float(irregular.phase), float(irregular.relative_amplitude)) == (0.0, 1e-3)
 
 
 def test_why_there_is_no_point_is_told() -> None:
@@ -311,37 +246,6 @@ def test_why_there_is_no_point_is_told() -> None:
         assert points.number == 0
         assert np.isnan(speeds(points))
     assert vibro.operating_points(machine, filling=1.0, trough_angle=math.radians(-25.0), **SLIDER) == ()
-
-
-def test_irregular_motion_leaves_an_interval() -> None:
-    setting = np.linspace(1.0, 8.0, 22)
-    points = vibro.operate(feeder(0.9), filling=1.0, setting=setting, restitution=0.5, **SLIDER)
-    irregular = points.status == Status.AVERAGED
-    assert irregular.sum() > 5
-    assert np.all(points.amplitude_low[irregular] <= points.amplitude[irregular])
-    assert np.all(points.amplitude[irregular] <= points.amplitude_high[irregular])
-    assert np.all(points.amplitude_low[irregular] < points.amplitude_high[irregular])
-    settled = points.status == Status.OK
-    assert np.all(points.amplitude_low[settled] == points.amplitude_high[settled])
-    assert any("irregular" in text for text in points.remarks())
-
-
-def test_borders_of_irregular_motion_are_no_operating_points() -> None:
-    """A bouncing filling has irregular motion between settled one; without a share there is no residual."""
-    machine = feeder(0.9)
-    for setting in np.linspace(1.5, 5.0, 10):
-        case = {**SLIDER, "filling": 1.0, "setting": setting, "restitution": 0.4}
-        listed = vibro.operating_points(machine, **case)
-        pull = machine.response(50.0).compliance
-        empty = setting * 0.35e-3
-        body = {name: case[name] for name in (*SLIDER, "restitution")}
-        for amplitude in listed:
-            near = amplitude * np.array([1.0 - 1e-9, 1.0, 1.0 + 1e-9])
-            filling = vibro.filling(vibro.Scene(amplitude=near, **body))
-            residual = near * np.abs(1.0 + pull * filling.share) / empty - 1.0
-            settled = filling.status != Status.AVERAGED
-            is_jump = settled[[0, 2]].all() and residual[0] * residual[2] < 0.0
-            assert not settled.all() or abs(residual[1]) < 1e-9 or is_jump
 
 
 def test_the_gap_is_an_error_or_a_mark() -> None:
@@ -382,23 +286,6 @@ def test_an_infinite_amplitude_is_an_error_or_a_mark() -> None:
     assert points.frequency_ratio[0, 1] == pytest.approx(1.0, abs=1e-15)
     alone = vibro.operate(undamped, frequency=51, filling=1, **body)
     assert points.amplitude[1, 2] == alone.amplitude
-
-
-def test_an_amplitude_that_a_share_makes_infinite_is_an_error_or_a_mark() -> None:
-    body = {name: x for name, x in SLIDER.items() if name != "frequency"}
-    undamped = Machine.magnet(trough_mass=1, natural_frequency=100, damping_ratio=0, force=1)
-    case = {"frequency": 50.0, "filling": 3.0, "added_mass_share": 1.0, **body}
-    with pytest.raises(InputError, match="amplitude = inf m at frequency = 50 Hz"):
-        vibro.operate(undamped, **case)
-    point = vibro.operate(undamped, allow_strikes=True, **case)
-    assert point.strikes
-    assert (int(point.number), float(point.relative_amplitude)) == (0, math.inf)
-    assert np.isnan([point.amplitude, point.speed_with_second_harmonic()]).all()
-
-
-def test_no_point_at_undamped_resonance_can_be_listed() -> None:
-    undamped = Machine.magnet(trough_mass=1, natural_frequency=50, damping_ratio=0, force=1)
-    assert vibro.operating_points(undamped, filling=1.0, allow_strikes=True, **SLIDER) == ()
 
 
 def test_amplitudes_far_below_the_upper_bound_are_looked_at_too() -> None:
@@ -445,10 +332,3 @@ def test_masses_that_may_strike_in_irregular_motion_are_found(counter_mass: floa
     gap = 0.999 * float(np.max(most))
     points = vibro.operate(replace(machine, gap=gap), allow_strikes=True, **case)
     assert points.strikes[irregular].any()
-
-
-def test_an_unknown_share_is_no_number() -> None:
-    machine = Machine.magnet(trough_mass=6, natural_frequency=60, damping_ratio=0.02, force=100)
-    point = vibro.operate(machine, filling=1.0, trough_angle=-math.atan(0.4), **SLIDER)
-    assert point.status == Status.RUNAWAY
-    assert np.isnan([point.added_mass_share, point.added_damping_share, point.second_harmonic]).all()

@@ -64,7 +64,7 @@ def moved(case: Case, order: int, forces: tuple[complex, complex], added: comple
     return complex(np.linalg.solve(np.array([[trough, -kappa], [-kappa, counter]]), np.array(forces))[0])
 
 
-@pytest.mark.parametrize("case", [*drawn_widely(24, seed=9)], ids=lambda case: case.name)
+@pytest.mark.parametrize("case", [*drawn_widely(10, seed=9)], ids=lambda case: case.name)
 def test_forces_on_the_bent_trough_bend_it_so(case: Case) -> None:
     """Forces sampled along histories, and Newton's law, give back the amplitude and the second harmonic."""
     points = case.operate(allow_strikes=True)
@@ -124,26 +124,3 @@ def test_amplitudes_with_the_second_harmonic_fed_back_are_nearer_to_both_masses_
     assert size / points.amplitude_sine - 1.0 == pytest.approx(0.127, abs=0.002)
     assert size / points.amplitude - 1.0 == pytest.approx(0.060, abs=0.002)
     assert points.uncertain
-
-
-def test_the_scene_moves_along_the_line_of_the_drive() -> None:
-    points = vibro.operate(worked(1.05).machine, frequency=50.0, filling=[0.0, 2.0], **SLIDER)
-    scene = points.scene_with_second_harmonic
-    assert scene.along_harmonics is not None
-    assert scene.normal_harmonics is not None
-    for (along, shift), (normal, same) in zip(scene.along_harmonics, scene.normal_harmonics, strict=True):
-        assert np.allclose(normal, along * math.tan(math.radians(20.0)), rtol=1e-14)
-        assert np.array_equal(shift, same)
-    (first, _), (second, phase) = scene.along_harmonics
-    assert np.allclose(first, points.amplitude * math.cos(math.radians(20.0)), rtol=1e-14)
-    assert np.allclose(second / first, points.second_harmonic, rtol=1e-13)
-    assert phase[1] == np.angle(points.second_phasor[1])
-    speed = points.speed_with_second_harmonic()
-    assert speed[0] == pytest.approx(vibro.solve(points.scene).mean_velocity[0], rel=1e-10)
-    assert speed[1] > 1.05 * vibro.solve(points.scene).mean_velocity[1]
-
-
-def test_without_an_amplitude_there_is_no_speed() -> None:
-    machine = worked(0.9).machine
-    points = vibro.operate(machine, frequency=50.0, filling=1.0, trough_angle=math.radians(-25.0), **SLIDER)
-    assert np.isnan(points.speed_with_second_harmonic())

@@ -1,69 +1,24 @@
-"""What a comparison takes of a record, and its position in the cycle, with errors and rivals."""
+"""The position of a record in the cycle, and the regression on a trend and harmonics, with their errors."""
 
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from helpers.made_records import FREQUENCY, NOISE, PERIOD, Walked, bowl, nut
 
-import vibro
 from vibro.errors import InputError
 from vibro.motion.settled import settled_motion
-from vibro.records.alignment import (
-    Estimate,
-    Observation,
-    align,
-    check_scene,
-    computed_signals,
-    independent_samples,
-)
-from vibro.records.reading import Record
+from vibro.records.alignment import Observation, align, computed_signals, fold, independent_samples
+
+if TYPE_CHECKING:
+    import vibro
 
 SIGNALS = ("displacement", "velocity", "acceleration", "friction")
 TIME = np.arange(401) / 600.0
-
-
-# --- what is taken of a record ------------------------------------------------------------------------
-
-
-def force_record(**sensitivities: str) -> Record:
-    return Record(np.arange(81) / 600.0, {"friction": np.arange(81.0)}, {}, {}, sensitivities)
-
-
-@pytest.mark.parametrize("reverse", [False, True])
-def test_friction_is_the_force_over_the_mass_in_the_conveying_direction(reverse: bool) -> None:
-    clock = Estimate(0.01, 1e-4)
-    taken = Observation.of(force_record(friction="50mV/N"), 15.0, mass=0.25, reverse=reverse, clock=clock)
-    np.testing.assert_allclose(taken.signals["friction"], np.arange(81.0) * (-4.0 if reverse else 4.0))
-    assert (list(taken.signals), taken.frequency, taken.clock) == (["friction"], 15.0, clock)
-    assert taken.sensitivities == {"friction": "50mV/N"}
-    assert taken.period == pytest.approx(1.0 / 15.0)
-
-
-@pytest.mark.parametrize("mass", [1e-20, 1e20])
-def test_masses_at_the_ends_of_what_is_allowed(mass: float) -> None:
-    values = Observation.of(force_record(), 15.0, mass=mass).signals["friction"]
-    np.testing.assert_allclose(values * mass, np.arange(81.0))
-    beyond = mass * (1.001 if mass > 1.0 else 0.999)
-    with pytest.raises(InputError, match="mass"):
-        Observation.of(force_record(), 15.0, mass=beyond)
-
-
-def test_the_sample_time_is_the_usual_one() -> None:
-    """A gap does not change it."""
-    assert Observation(np.array([0.0, 1.0, 2.0, 3.0, 6.0]), {}, 1.0).sample_time == 1.0
-
-
-def test_a_motion_too_small_to_be_compared_is_refused_by_its_larger_amplitude() -> None:
-    check_scene(bowl(along_amplitude=1e-25, normal_amplitude=1e-20))
-    check_scene(bowl(along_amplitude=1e-3, normal_amplitude=0.0))
-    with pytest.raises(InputError, match=r"^normal_amplitude = 9.99e-21 "):
-        check_scene(bowl(along_amplitude=1e-25, normal_amplitude=0.999e-20))
-
-
-# --- the model beside it ------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("scene", [nut(1.5), nut(1.2, trough_angle=0.05), bowl()])
@@ -76,107 +31,49 @@ def test_signals_that_jump_are_averaged_over_the_window(scene: vibro.Scene) -> N
     np.testing.assert_allclose(found["acceleration"], gained / window, atol=1e-7)
     exact = walked.friction(TIME) - walked.acceleration(TIME)
     np.testing.assert_allclose(found["friction"] - found["acceleration"], exact, atol=1e-7)
-    assert list(computed_signals(settled_motion(scene), ["friction"], TIME, window)) == ["friction"]
 
 
-def test_neither_zero_nor_growth_of_a_displacement_moves_it() -> None:
-    walked, motion = Walked(nut()), settled_motion(nut())
-    found = [
-        align(Observation(TIME, {"displacement": walked.displacement(TIME + 0.02) + off}, FREQUENCY), motion)
-        for off in (0.0 * TIME, 3.0 + 2e-3 * TIME)
+@pytest.mark.parametrize(
+    ("amplitude", "signals"),
+    [*((1.0, (name,)) for name in SIGNALS), (1.5, SIGNALS), (2.0, ("displacement",))],
+)
+def test_the_trigger_time_of_exact_data_is_found(amplitude: float, signals: tuple[str, ...]) -> None:
+    observation = Walked(nut(amplitude)).observe(*signals, trigger=0.0501)
+    alignment = align(observation, settled_motion(nut(amplitude)))
+    assert abs(alignment.shift - 0.0501) < 4.0 * alignment.error
+    assert alignment.error < 5e-4
+    assert alignment.rivals == ()
+
+
+@pytest.mark.parametrize("trigger", [0.0, 0.5 / 600.0, PERIOD - 1e-4])
+def test_the_trigger_time_wraps_round(trigger: float) -> None:
+    observation = Walked(nut()).observe("velocity", trigger=trigger)
+    shift = align(observation, settled_motion(nut())).shift
+    assert 0.0 <= shift < PERIOD
+    assert abs(math.remainder(shift - trigger, PERIOD)) < 1e-4
+
+
+@each("signals", [("displacement",), ("velocity",), ("displacement", "velocity")])
+def test_the_error_is_that_of_noise_over_the_slope(signals: tuple[str, ...]) -> None:
+    """The root of the sum of squared slopes, of all signals; of a displacement those beside its growth."""
+    walked, motion, noise = Walked(nut()), settled_motion(nut()), 10.0
+    slopes = {"displacement": walked.velocity(TIME + 0.02), "velocity": walked.acceleration(TIME + 0.02)}
+    slopes["displacement"] -= slopes["displacement"].mean()
+    known = sum(float(slopes[name] @ slopes[name]) / (noise * NOISE[name]) ** 2 for name in signals)
+    told = [
+        align(walked.observe(*signals, trigger=0.02, noise=noise, seed=seed), motion).error
+        for seed in range(4)
     ]
-    assert found[0].shift == pytest.approx(0.02, abs=1e-5)
-    assert found[1].shift == pytest.approx(found[0].shift, abs=1e-7)
+    assert np.median(told) == pytest.approx(known**-0.5, rel=0.15)
 
 
-@pytest.mark.parametrize("signals", [*((name,) for name in SIGNALS), SIGNALS[:2]])
-def test_the_rough_search_compares_one_cycle_at_every_shift(signals: tuple[str, ...]) -> None:
-    """Half the samples times the logarithm of the squares; the growth of a displacement does not count."""
-    scene = nut(1.5, trough_angle=0.02)
-    observed = Walked(scene).observe(*signals, trigger=0.03)
-    motion = settled_motion(scene)
-    best, losses = observed.rough_shift(motion)
-    assert abs(best - 0.03) < 1.5 * PERIOD / 512
-    grid = np.arange(512) * PERIOD / 512
-    places = [0, 100, 150, 300, 511]
-    expected = np.zeros(len(places))
-    for name in signals:
-        folded = observed.folded[name]
-        measured = folded.periodic(grid) + (0.0 if name == "displacement" else folded.trend(0).value)
-        for i, place in enumerate(places):
-            later = grid + grid[place]
-            model = computed_signals(motion, [name], later, 1.0 / 600.0)[name]
-            if name == "displacement":
-                model = model - motion.advance / PERIOD * later
-                model = model - model.mean()
-            expected[i] += 0.5 * TIME.size * math.log(float(np.square(measured - model).sum()))
-    np.testing.assert_allclose(losses[places] - losses[0], expected - expected[0], atol=1e-3)
-    # it is deep, as nothing but noise and the missing harmonics is left
-    assert float(np.ptp(losses)) > 0.5 * TIME.size * math.log(30.0) * len(signals)
-
-
-# --- errors and rivals --------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(("signal", "noise"), [("displacement", 30.0), ("velocity", 10.0)])
-def test_the_error_is_that_of_noise_over_the_slope(signal: str, noise: float) -> None:
-    """The root of the sum of squared slopes; of a displacement those beside its growth."""
-    walked, motion = Walked(nut()), settled_motion(nut())
-    slopes = {"displacement": walked.velocity, "velocity": walked.acceleration}[signal](TIME + 0.02)
-    if signal == "displacement":
-        slopes = slopes - slopes.mean()
-    expected = noise * NOISE[signal] / math.sqrt(float(slopes @ slopes))
-    told = [align(walked.observe(signal, trigger=0.02, noise=noise, seed=s), motion).error for s in range(4)]
-    assert np.median(told) == pytest.approx(expected, rel=0.15)
-
-
-def test_two_signals_place_a_record_by_the_certainty_of_both() -> None:
-    walked, motion = Walked(nut()), settled_motion(nut())
-    errors = []
-    for names in (("displacement",), ("velocity",), ("displacement", "velocity")):
-        found = [align(walked.observe(*names, noise=8.0, seed=seed), motion).error for seed in range(2)]
-        errors.append(float(np.median(found)))
-    one, other, both = errors
-    assert both == pytest.approx((one**-2.0 + other**-2.0) ** -0.5, rel=0.15)
-
-
-def test_another_position_is_a_rival_within_three_sigma() -> None:
-    """Data half of the motion at one position and half at another fit both; the more of one, the less so."""
-    walked, motion = Walked(nut()), settled_motion(nut())
-    seen = []
-    for share in (0.5, 0.35, 0.2, 0.05, 0.02):
-        values = (1.0 - share) * walked.velocity(TIME + 0.01) + share * walked.velocity(TIME + 0.043)
-        observed = Observation(TIME, {"velocity": values}, FREQUENCY)
-        found = align(observed, motion)
-        best, losses = observed.rough_shift(motion)
-        other = 0.043 if abs(best - 0.01) < abs(best - 0.043) else 0.01
-        count = independent_samples(TIME, values - motion.sample(TIME + best).velocity, FREQUENCY)
-        apart = (losses[round(other / PERIOD * 512)] - losses.min()) * count / TIME.size
-        if abs(apart - 4.5) > 0.3:
-            told = [rival for rival in found.rivals if abs(rival - other) < 2.0 * PERIOD / 512]
-            assert (len(told) == 1) == (apart < 4.5)
-            seen.append(apart < 4.5)
-    assert {*seen} == {True, False}
-
-
-def test_the_best_position_lies_in_one_period_whatever_the_noise() -> None:
-    walked, motion = Walked(nut()), settled_motion(nut())
-    offs = []
-    for seed in range(6):
-        shift = align(walked.observe("velocity", trigger=0.0, seed=seed), motion).shift
-        assert 0.0 <= shift < PERIOD
-        offs.append(math.remainder(shift, PERIOD))
-    assert min(offs) < 0.0 < max(offs)
-
-
-def test_of_several_signals_the_one_with_most_samples_tells_of_rivals() -> None:
-    """A misfit of every cycle counts as two samples, white noise as all of them."""
-    walked, motion = Walked(nut()), settled_motion(nut())
-    values = 0.55 * walked.velocity(TIME + 0.01) + 0.45 * walked.velocity(TIME + 0.043)
-    noise = 100.0 * np.random.default_rng(1).standard_normal(TIME.size)
-    alone = align(Observation(TIME, {"velocity": values}, FREQUENCY), motion)
-    both = align(Observation(TIME, {"velocity": values, "friction": noise}, FREQUENCY), motion)
-    assert (len(alone.rivals), both.rivals) == (1, ())
+@pytest.mark.parametrize("signal", ["acceleration", "friction"])
+def test_jumps_alone_are_placed_no_better_than_a_sample(signal: str) -> None:
+    """A jump lies anywhere between two samples: its standard error is that of an even distribution."""
+    observation = Walked(nut()).observe(signal, noise=0.01, trigger=0.02)
+    anywhere = np.linspace(0.0, observation.sample_time, 10_001)
+    alignment = align(observation, settled_motion(nut()))
+    assert alignment.error == pytest.approx(float(np.std(anywhere)), rel=0.01)
 
 
 def test_where_all_positions_fit_alike_there_is_none() -> None:
@@ -184,8 +81,7 @@ def test_where_all_positions_fit_alike_there_is_none() -> None:
     walked, motion = Walked(nut()), settled_motion(nut())
     level = 100.0 * 60e-3 / NOISE["velocity"]
     hopeless = align(walked.observe("velocity", noise=1e3 * level), motion)
-    assert math.isnan(hopeless.shift)
-    assert math.isnan(hopeless.error)
+    assert np.isnan([hopeless.shift, hopeless.error]).all()
     assert hopeless.rivals == ()
     assert not math.isnan(align(walked.observe("velocity", noise=0.03 * level), motion).shift)
 
@@ -196,3 +92,61 @@ def test_a_position_that_nothing_tells_may_lie_half_a_period_off() -> None:
     other = 3.0 * np.sin(6.0 * math.pi * FREQUENCY * TIME)
     observed = Observation(TIME, {"velocity": walked.velocity(TIME + 0.02) + other}, FREQUENCY)
     assert align(observed, settled_motion(nut())).error == pytest.approx(0.5 * PERIOD)
+
+
+# --- the regression on a trend and harmonics ------------------------------------------------------------
+
+
+def test_a_trend_is_one_about_the_middle_of_the_record() -> None:
+    """2 + 3 s + 5 s^2, s from the middle, beside a third harmonic, with a gap; and all its derivatives."""
+    time = np.delete(7.3 + np.arange(200) / 40.0, slice(60, 75))
+    since = time - (7.3 + 0.5 * 199 / 40.0)
+    rate = 6.0 * math.pi
+    waves = [np.sin(rate * time), np.cos(rate * time), -np.sin(rate * time)]
+    folded = fold(time, 2.0 + 3.0 * since + 5.0 * since**2 + 0.1 * np.sin(rate * time), 1.0, 3)
+    assert [folded.trend(power).value for power in range(3)] == pytest.approx([2.0, 3.0, 5.0], rel=1e-8)
+    trends = [2.0 + 3.0 * since + 5.0 * since**2, 3.0 + 10.0 * since, 10.0 + 0.0 * since]
+    for order, trend in enumerate(trends):
+        periodic = 0.1 * rate**order * waves[order]
+        np.testing.assert_allclose(folded.periodic(time), periodic, atol=1e-6 * rate**order)
+        np.testing.assert_allclose(folded.fitted(time), trend + periodic, atol=1e-6 * rate**order)
+        folded = folded.derivative()
+
+
+@each(("cycles", "samples", "found"), [
+    (1.99, 40.0, "1.99 cycles"), (1.999, 1000.0, "1.99 cycles"), (2.0, 8.0, ""), (2.0 - 1e-6, 20.0, ""),
+    (500.0, 7.998, "7.99 samples"), (4.0, 7.75, "7.75 samples"),
+])  # fmt: skip
+def test_two_cycles_of_eight_samples_are_enough(cycles: float, samples: float, found: str) -> None:
+    """Numbers that are too small are never rounded up; the clock's own rounding does not count."""
+    time = np.linspace(3.0, 3.0 + cycles, round(cycles * samples) + 1)
+    if found:
+        with pytest.raises(InputError, match=found):
+            fold(time, time, 1.0, 1)
+    else:  # harmonics up to nine tenths of half the rate
+        assert fold(time, time, 1.0, 1).coefficients.size == 1 + 2 * int(0.45 * samples)
+
+
+@pytest.mark.parametrize(("count", "rate"), [(161, 600.0), (25, 180.0)])
+def test_standard_errors_are_those_of_repeated_noise(count: int, rate: float) -> None:
+    """Also of short records, of which trend and harmonics take half the degrees of freedom."""
+    random = np.random.default_rng(3)
+    time = np.arange(count) / rate
+    trends, harmonics = [], []
+    for _ in range(200):
+        folded = fold(time, time + 0.1 * random.standard_normal(time.size), FREQUENCY, 2)
+        trends.append((folded.trend(1).value, folded.trend(1).error))
+        at = np.array([0.02])
+        harmonics.append((float(folded.fitted(at)[0]), float(folded.error(at)[0])))
+    for values in (np.array(trends), np.array(harmonics)):
+        assert np.std(values[:, 0]) == pytest.approx(np.median(values[:, 1]), rel=0.2)
+
+
+def test_a_misfit_that_repeats_counts_as_two_samples() -> None:
+    """However long the record is; white noise counts as all of them."""
+    for count in (801, 8001):
+        time = np.arange(count) / 600.0
+        wave = np.sin(2 * math.pi * FREQUENCY * time)
+        white = np.random.default_rng(4).standard_normal(count)
+        assert independent_samples(time, wave, FREQUENCY) == pytest.approx(2.0, rel=0.01)
+        assert independent_samples(time, white, FREQUENCY) == pytest.approx(count, rel=0.15)

@@ -11,8 +11,7 @@ from helpers.cases import each
 from helpers.made_records import FREQUENCY, Walked, nut
 
 from vibro.motion.histories import simulate
-from vibro.records.alignment import Foreign, Observation, Repetition, foreign_frequency
-from vibro.records.comparison import compare
+from vibro.records.alignment import Foreign, Observation, foreign_frequency
 
 SIGNALS = ("displacement", "velocity", "acceleration", "friction")
 
@@ -86,15 +85,6 @@ def test_a_multiple_of_the_drives_frequency_may_be_off_by_as_many_of_its_errors(
         assert claim.frequency.value == pytest.approx(value, abs=1e-3 * error)
 
 
-def test_the_standard_error_of_a_frequency_is_that_of_repeated_noise() -> None:
-    found = [seen(noisy(SCENES["F_"], "velocity", 10.0, 40, 0.1, seed), 1.3) for seed in range(20)]
-    off = np.array([claim.frequency.value - FREQUENCY for claim in found if claim])
-    told = np.array([claim.frequency.error for claim in found if claim])
-    assert off.size == 20
-    assert 0.5 < float(np.sqrt(np.mean((off / told) ** 2))) < 1.8
-    assert float(np.abs(off / told).max()) < 4.5
-
-
 @pytest.mark.parametrize("throw", [1.3, 2.6, 4.0, 7.0])
 def test_hopping_is_no_wrong_frequency(throw: float) -> None:
     """A body that hops may repeat its motion every few cycles, or never: no other drive is named."""
@@ -107,31 +97,6 @@ def test_hopping_is_no_wrong_frequency(throw: float) -> None:
     for name, values in (("velocity", sample.velocity), ("displacement", sample.position)):
         claim = seen(Observation(time, {name: values}, frequency))
         assert claim is None or claim.cycles > 1
-
-
-def test_a_motion_that_repeats_every_other_cycle_is_told_as_such() -> None:
-    time = np.arange(801) / 600.0
-    waves = 2.0 * math.pi * FREQUENCY * time
-    values = np.cos(waves) + np.cos(0.5 * waves)
-    observation = Observation(time, {"velocity": 0.01 * values}, FREQUENCY)
-    claim = seen(observation)
-    assert claim is not None
-    assert claim.cycles == 2
-    (warning,) = (text for text in compare(nut(), observation).warnings if "repeat" in text)
-    assert "7.5 Hz, every 2 cycles" in warning
-
-
-def test_a_multiple_is_no_other_frequency_where_the_drives_own_wave_is_seen() -> None:
-    """The largest wave is the second harmonic, and the third shows that the drive has half its frequency."""
-    time = np.arange(1201) / 600.0
-    waves = [(0.03, 15.0), (0.65, 30.0), (0.32, 45.0)]
-    values = np.sum([math.sqrt(p) * np.sin(2.0 * math.pi * f * time + f) for p, f in waves], axis=0)
-    values += 0.02 * np.random.default_rng(1).standard_normal(time.size)
-    signals = Repetition(time, {"velocity": values}, {"velocity": 0})
-    found = signals.fundamental()
-    assert found is not None
-    assert found.value == pytest.approx(30.0, abs=0.01)
-    assert seen(Observation(time, {"velocity": values}, 15.0)) is None
 
 
 @pytest.mark.parametrize("kind", ["noise", "slow", "still", "drift", "digits"])
@@ -150,58 +115,6 @@ def test_data_without_a_wave_have_no_frequency(kind: str) -> None:
         assert seen(Observation(time, {"velocity": values}, FREQUENCY)) is None
 
 
-@pytest.mark.parametrize(("share", "cycles"), [(0.6, 3), (2.4, 3), (3.6, 0)])
-def test_a_motion_of_several_cycles_may_be_off_by_as_many_of_its_errors(share: float, cycles: int) -> None:
-    """Three cycles of data at a third of the drive's frequency drift three times as far as one."""
-    time = np.linspace(0.0, 8.0, 4001)
-    data = Observation(time, {"acceleration": np.sin(2.0 * np.pi * 5.0 * time)}, 15.0)
-    apart = 0.05 / Repetition(data.middle.time, data.middle.signals, {"acceleration": -1}).span
-    claim = foreign_frequency(Observation(time, data.signals, 15.0 + share * apart))
-    assert claim is not None
-    assert claim.cycles == cycles
-
-
-# --- what a frequency explains, by hand ---------------------------------------------------------------
-
-
-def waves_and_steps(*amplitudes: float) -> Repetition:
-    """Take 40 s of waves of 1 Hz, with steps of sign that no frequency explains, one signal each."""
-    time = np.arange(640) / 16.0
-    steps = (-1.0) ** np.arange(640)
-    made = {f"{a:g}": a * np.sin(2.0 * math.pi * time) + steps for a in amplitudes}
-    return Repetition(time, made, dict.fromkeys(made, 0))
-
-
-@pytest.mark.parametrize(("count", "other", "coefficients"), [(1, None, 0), (2, None, 0), (1, 1.37, 12)])
-def test_a_frequency_explains_more_beyond_five_sigma_and_the_number_of_frequencies(
-    count: int, other: float | None, coefficients: int
-) -> None:
-    """A wave of size a leaves 1 of 1 + a^2/2, scaled up for 16 coefficients, or 12 of 1.37 Hz.
-
-    640 samples of each signal gain 320 times the logarithm: 12.5 and log(640) are needed.
-    """
-    needed = math.exp((12.5 + math.log(640.0)) / (320.0 * count))
-    size = math.sqrt(2.0 * (needed * (640 - coefficients) / (640 - 16) - 1.0))
-    for factor, more in ((0.98, False), (1.02, True)):
-        found = waves_and_steps(*(factor * size + 1e-6 * n for n in range(count)))
-        assert found.explains_more(1.0, other) == more
-    assert not found.explains_more(1.37, 1.0)
-
-
-@pytest.mark.parametrize(("off", "claimed"), [(-9.0, True), (-5.0, False), (5.0, False), (9.0, True)])
-def test_another_frequency_must_explain_clearly_more_than_the_drives(off: float, claimed: bool) -> None:
-    """Five standard errors off are beyond the four of its own, but gain 12.5 only: as much as noise may."""
-    time = np.arange(1201) / 600.0
-    for seed in range(2):
-        noise = np.random.default_rng(seed).standard_normal(time.size)
-        values = {"velocity": np.sin(2.0 * math.pi * FREQUENCY * time) + noise}
-        found = Repetition(time, values, {"velocity": 0}).fundamental()
-        assert found is not None
-        assert 4.0 * found.error > 0.05 / 2.0
-        claim = seen(Observation(time, values, found.value + off * found.error))
-        assert (claim is not None) == claimed
-
-
 @pytest.mark.parametrize(("fraction", "cycles"), [(2, 2), (2.5, 0), (5, 5), (8, 8), (9, 0)])
 def test_a_body_may_repeat_its_motion_every_eight_cycles_at_most(fraction: float, cycles: int) -> None:
     time = np.arange(2001) / 250.0
@@ -209,26 +122,3 @@ def test_a_body_may_repeat_its_motion_every_eight_cycles_at_most(fraction: float
     assert claim is not None
     assert claim.cycles == cycles
     assert claim.frequency.value == pytest.approx(5.0, abs=1e-4)
-
-
-@pytest.mark.parametrize(("share", "claimed"), [(0.25, False), (0.36, True)])
-def test_less_than_three_tenths_of_the_power_are_no_repetition(share: float, claimed: bool) -> None:
-    time = np.arange(6001) / 600.0
-    noise = np.random.default_rng(3).standard_normal(time.size)
-    values = math.sqrt(2.0 * share) * np.sin(2.0 * math.pi * 20.0 * time) + math.sqrt(1.0 - share) * noise
-    assert (seen(Observation(time, {"velocity": values}, FREQUENCY)) is not None) == claimed
-
-
-@pytest.mark.parametrize(
-    ("signal", "other", "rate"),
-    [("displacement", 1.0 / 3.3, 100.0), ("acceleration", 3.3, 600.0), ("friction", 3.3, 600.0)],
-)
-def test_of_two_machines_the_one_with_the_larger_velocity_is_told(
-    signal: str, other: float, rate: float
-) -> None:
-    """Another machine is slower, with a larger displacement, or faster, with a larger acceleration."""
-    time = np.arange(4001) / rate
-    turns = 2.0 * math.pi * FREQUENCY * time
-    claim = seen(Observation(time, {signal: np.sin(turns) + 1.2 * np.sin(other * turns)}, 1.3 * FREQUENCY))
-    assert claim is not None
-    assert claim.frequency.value == pytest.approx(FREQUENCY, abs=0.01)

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
 from helpers.cases import each
 from helpers.exports import Sampled, library
-from numpy.typing import NDArray
 from scipy.io import savemat, wavfile
 
 from vibro.errors import InputError
-from vibro.records.channels import Table
 from vibro.records.formats import lvm_table, read_channels
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from vibro.records.channels import Table
 
 SLOW, FAST = Sampled.at(250.0), Sampled.at(1000.0)
 
@@ -71,13 +74,6 @@ def test_channels_that_begin_later_are_later(tmp_path: Path) -> None:
         )
 
 
-def test_times_of_day_of_tdms_are_seconds(tmp_path: Path) -> None:
-    began = np.datetime64("2031-01-02T23:59:59", "us")
-    stamps = began + (1e6 * SLOW.time).astype("timedelta64[us]")
-    table = tdms(tmp_path / "a.tdms", ("A", "Stamp", stamps, {}), ("A", "x", SLOW.along, {}))
-    np.testing.assert_allclose(table.columns[0], SLOW.time, atol=1e-9)
-
-
 def test_variables_of_mat(tmp_path: Path) -> None:
     """Vectors, columns of matrices, fields of structures; those of another length are left out and named."""
     content = {
@@ -109,22 +105,6 @@ def test_full_scale_of_wav_is_a_volt(tmp_path: Path, dtype: str) -> None:
     assert ([*table.names], [*table.units]) == (["Time", "Channel 1"], ["s", "V"])
     assert np.abs(table.columns[1] - wave).max() <= {"uint8": 2.0**-7}.get(dtype, 2.0**-15)
     np.testing.assert_allclose(table.columns[0], np.arange(1000.0) / 8000.0)
-
-
-def test_channels_of_uff_without_a_title_are_called_by_node_and_direction(tmp_path: Path) -> None:
-    path = tmp_path / "a.uff"
-    of: dict[str, object] = {"type": 58, "func_type": 1, "ref_node": 0, "ref_dir": 0}
-    of |= {"x": SLOW.time, "abscissa_spacing": 1, "abscissa_min": 0.0, "abscissa_inc": 4e-3}
-    of |= {"num_pts": 500, "binary": 0, "ord_data_type": 4, "version_num": 0, "z_axis_value": 0.0}
-    for kind in ("abscissa", "ordinate", "orddenom"):
-        of[f"{kind}_spec_data_type"] = 0
-    file = library("pyuff").UFF(str(path))
-    for node, way, x in ((1, 1, SLOW.along), (1, -3, SLOW.normal)):
-        file.write_sets(of | {"id1": "Record", "rsp_node": node, "rsp_dir": way, "data": x}, "add")
-    file.write_sets(of | {"func_type": 4, "rsp_node": 9, "rsp_dir": 1, "data": SLOW.along}, "add")
-    table = read(path)
-    assert ([*table.names], [*table.units]) == (["Time", "1:+X", "1:-Z"], ["s", "", ""])
-    np.testing.assert_allclose(table.columns[2], SLOW.normal, rtol=1e-9)
 
 
 HEADER = "LabVIEW Measurement\t\nSeparator\tTab\n***End_of_Header***\t\nSamples\t2\t2\n"

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import re
 from datetime import UTC, datetime, timedelta
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -15,6 +14,9 @@ from hypothesis import strategies as st
 
 from vibro.errors import InputError
 from vibro.records.reading import Record, read_record, read_sensitivities
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 RATE = 500
 COUNT = 60
@@ -117,7 +119,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("layouts")
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=120, deadline=None)
 @given(layouts())
 def test_any_layout_gives_the_same_numbers(
     tmp_path_factory: pytest.TempPathFactory, layout: tuple[str, dict[str, str]]
@@ -142,7 +144,7 @@ def recorded(folder: Path, stamps: list[str], unit: str = "ms", values: np.ndarr
     return read_record(folder / "clock.csv", {"trough_along": "a"}, body=False)
 
 
-@settings(max_examples=100)
+@settings(max_examples=30)
 @given(st.floats(250.0, 2500.0), st.floats(0.0, 1.0), st.sampled_from([np.floor, np.round, np.ceil]))
 def test_a_clock_of_whole_milliseconds_has_the_true_rate(
     folder: Path, rate: float, start: float, whole: Any
@@ -157,7 +159,7 @@ def test_a_clock_of_whole_milliseconds_has_the_true_rate(
     np.testing.assert_allclose(np.diff(record.time), 1.0 / rate, rtol=1e-3)
 
 
-@settings(max_examples=50)
+@settings(max_examples=20)
 @given(
     st.integers(8, 40),
     st.sampled_from([(16, "us", 1500), (16, "ms", 3), (32, "us", 2000), (32, "ms", 2)]),

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import math
-import re
 import runpy
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 import pytest
 from helpers.made_times import LENGTH, made_table, walked_speed
 
 import vibro
-from vibro.records.speeds import SpeedFit, SpeedParameter
+
+if TYPE_CHECKING:
+    from vibro.records.speeds import SpeedFit, SpeedParameter
 
 DATA = Path(__file__).parents[2] / "examples" / "data"
 NUT: dict[str, Any] = {"frequency_hz": 15, "drive_angle_deg": 20, "trough_length_mm": 600}
@@ -102,41 +102,6 @@ def test_repeats_of_one_setting_tell_the_error() -> None:
     ends = np.array([low, high])
     off = np.log(LENGTH / nut_speeds(2.4, ends, ends / 0.74) / time) - mean
     np.testing.assert_allclose(abs(off), 3.182 * error / 2.0, rtol=0.05)  # Student's t, 3 degrees of freedom
-
-
-def test_digits_bound_the_error_from_below() -> None:
-    times = [f"{t:.0f}" for t in nut_times(1.1, 1.5, 1.9, 2.3)]
-    found = vibro.fit_speeds(
-        {"amplitude_mm": [1.1, 1.5, 1.9, 2.3], "traverse_time_s": times}, friction_ratio=0.77, **NUT
-    )
-    assert found.error >= 1.0 / math.sqrt(12.0) / 15.0
-    assert holds(found.parameters[0], 0.57)
-
-
-def test_what_is_given_is_not_fitted_and_what_is_chosen_is() -> None:
-    amplitudes = [1.0, 1.4, 1.8, 2.2]
-    rows: dict[str, list[Any]] = {
-        "amplitude_mm": amplitudes,
-        "traverse_time_s": nut_times(*amplitudes),
-        "error_percent": [1] * 4,
-    }
-    both: dict[str, Any] = {"static_friction": 0.74, "kinetic_friction": 0.57}
-
-    def fitted(**given: Any) -> list[str]:
-        return [p.name for p in vibro.fit_speeds(rows, **NUT, **given).parameters]
-
-    assert fitted() == ["kinetic_friction", "static_friction"]  # no part hops
-    assert fitted(friction_ratio=0.77) == ["kinetic_friction"]
-    assert fitted(static_friction=0.74) == ["kinetic_friction"]
-    assert fitted(kinetic_friction=0.57) == ["static_friction"]
-    assert fitted(**both) == []
-    assert fitted(static_friction=0.74, friction_ratio=0.77) == []
-    found = vibro.fit_speeds(rows, fit=["kinetic_friction"], **NUT, **both)
-    assert [p.name for p in found.parameters] == ["kinetic_friction"]
-    assert holds(found.parameters[0], 0.57)
-    few = vibro.fit_speeds({name: x[:2] for name, x in rows.items()}, **NUT)
-    assert [p.name for p in few.parameters] == ["kinetic_friction"]
-    assert "mu_d/mu_s is taken as 0.8" in " ".join(few.statements)
 
 
 def test_rows_that_hop_tell_restitution_and_hardly_friction() -> None:
@@ -242,53 +207,6 @@ def test_other_columns_and_kinds_of_drive() -> None:
         rest = {name: x for name, x in NUT.items() if name not in table and "frequency" not in name}
         found = vibro.fit_speeds(table, friction_ratio=0.77, **rest)
         assert found.parameters[0].value == pytest.approx(0.57, rel=2e-3)
-
-
-@pytest.mark.parametrize(
-    ("changes", "given", "says"),
-    [
-        ({"traverse_time_s": None}, {}, "no column traverse_time_s or mean_velocity_mm_s"),
-        ({"speed_mm_s": [2, 2]}, {}, "traverse time and mean velocity are both given"),
-        ({"stroke_mm": [2, 2]}, {}, "amplitude and stroke are both given"),
-        ({"error_percent": [2, 0]}, {}, "row 2, error = '0'"),
-        ({"amplitude_mm": [1, -1]}, {}, "row 2, amplitude = '-1'"),
-        ({"amplitude_mm": [1]}, {}, "columns of different lengths: amplitude_mm 1, traverse_time_s 2"),
-        ({"traverse_time_s": [3, -3]}, {}, "row 2, traverse time = '-3'"),
-        ({"traverse_time_s": [3, "3 mm"]}, {}, "row 2, traverse time = '3 mm': 'mm' is no unit"),
-        ({"traverse_time_s": ["quick", 3]}, {}, "row 1, traverse time = 'quick': not a number"),
-        ({"traverse_time_s": ["", 3]}, {}, "row 1, traverse time: the cell is empty"),
-        ({"traverse_time_s": None, "traverse_time_kg": [3, 3]}, {}, "column 'traverse_time_kg': a unit"),
-        ({"amplitude_mm": None, "amplitude": [1, 1]}, {}, "column 'amplitude': a unit of amplitude"),
-        ({"time_error_s": [0, 1]}, {}, "column 'time_error_s': a unit"),
-        ({}, {"amplitude_mm": 2}, "amplitude is given, and a column"),
-        ({}, {"fit": ["amplitude"]}, "'amplitude' cannot be fitted"),
-        ({}, {"fit": ["restitution"]}, "missing: static friction and kinetic friction"),
-        ({}, {"friction_ratio": 1.5}, "friction ratio = 1.5: must be above 0"),
-        ({}, {"kinetic_friction": 0.01}, "kinetic friction = 0.01: must be 0.02 to 2"),
-        ({}, {"frequency_hz": -1}, "frequency = -1 Hz"),
-    ],
-)
-def test_wrong_input_is_named(changes: dict[str, Any], given: dict[str, Any], says: str) -> None:
-    table = {"amplitude_mm": [1, 1.5], "traverse_time_s": [30, 13], **changes}
-    table = {key: column for key, column in table.items() if column is not None}
-    with pytest.raises(vibro.InputError, match=re.escape(says)):
-        vibro.fit_speeds(table, **{**NUT, **given})
-
-
-def test_the_length_is_needed_for_times_alone() -> None:
-    rest: dict[str, Any] = {"frequency_hz": 15, "drive_angle_deg": 20}
-    with pytest.raises(vibro.InputError, match="trough length"):
-        vibro.fit_speeds({"amplitude_mm": [1], "traverse_time_s": [3]}, **rest)
-    assert vibro.fit_speeds({"amplitude_mm": [1], "mean_velocity_mm_s": [16]}, **rest).parameters
-
-
-def test_a_table_may_be_a_data_frame_and_may_have_times_alone() -> None:
-    times = nut_times(1.4, 1.4)
-    frame = pd.DataFrame({"traverse_time_s": times, "error_percent": [1.0, 1.0]})
-    found = vibro.fit_speeds(dict(frame), amplitude_mm=1.4, friction_ratio=0.77, **NUT)
-    assert holds(found.parameters[0], 0.57)
-    with pytest.raises(vibro.InputError, match="table = 3: must be a path or columns"):
-        vibro.fit_speeds(3, **NUT)  # type: ignore[arg-type]
 
 
 def test_parts_that_slide_back_are_fitted_too() -> None:

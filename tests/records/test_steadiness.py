@@ -10,13 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.cases import each
-from helpers.made_records import Walked, nut
 from helpers.unsteady_records import BAD, bad_record, good_record
 from numpy.typing import NDArray
 
 from vibro.errors import InputError
-from vibro.records.alignment import Observation
-from vibro.records.comparison import compare
 from vibro.records.reading import Record
 from vibro.records.trough import MeasuredMotion, motion_of
 
@@ -160,19 +157,6 @@ def test_errors_include_a_small_drift() -> None:
     assert amplitude_mm(steady)[1] < 0.1 * error
 
 
-def test_a_parts_record_is_told_if_it_is_not_steady() -> None:
-    observed = Walked(nut()).observe("velocity", trigger=0.02)
-    assert not any("steady" in text for text in compare(nut(), observed).warnings)
-    place = (observed.time - observed.time[0]) / np.ptp(observed.time)
-    slower = {"velocity": observed.signals["velocity"] * (1.0 - 0.3 * place)}
-    (text,) = (t for t in compare(nut(), replace(observed, signals=slower)).warnings if "steady" in t)
-    assert "the amplitude falls from" in text
-    with pytest.raises(InputError, match="m/s"):
-        Observation.of(
-            Record(observed.time, {"velocity": 1e3 * slower["velocity"]}, {}, {"velocity": "v"}), 15.0
-        )
-
-
 # --- frequencies that are given, or hidden --------------------------------------------------------------
 
 
@@ -194,26 +178,6 @@ def test_a_drive_above_half_the_sampling_rate_is_measured_where_it_is_given(
     assert math.degrees(found["normal_phase"].value) == pytest.approx(lead_deg, abs=0.6)
     assert ("aliasing" in "".join(motion.warnings)) == (rate < 200.0)
     assert "the first harmonic alone" in "".join(motion.notes)
-
-
-@each(("beside", "fits"), [(0.50, False), (0.57, False), (0.63, True)])
-@each("of", [50.0, 100.0])
-def test_a_frequency_too_near_a_multiple_of_half_the_rate_is_refused(
-    of: float, beside: float, fits: bool
-) -> None:
-    """Six cycles in ten seconds must lie between it and what it looks like."""
-    rate = of + (beside if of == 50.0 else beside / 1.0)
-    time = times(10.0, rate)
-    if fits:
-        assert amplitude_mm(one(time, wave(time, 50.0), 50.0))[0] == pytest.approx(0.253, rel=0.01)
-        return
-    with pytest.raises(InputError, match="too near to a multiple of"):
-        one(time, wave(time, 50.0), 50.0)
-
-
-def test_a_harmonic_that_looks_like_the_first_is_warned_of() -> None:
-    time = times(10.0, 150.0)
-    assert "show harmonic 2 as the first one" in one(time, wave(time, 100.0), 100.0).warnings[-1]
 
 
 def test_a_frequency_that_is_given_must_be_that_of_the_record() -> None:

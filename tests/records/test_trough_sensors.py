@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 import re
 import runpy
-from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 import pytest
+from helpers.cases import each
 from helpers.made_records import EXAMPLES
-from helpers.turned_sensors import Case, G, Line, record_of
+from helpers.turned_sensors import Case, Line, record_of
 
 import vibro
 from vibro.errors import InputError
@@ -19,6 +19,9 @@ from vibro.records.channels import AXES, SIGNAL_UNITS
 from vibro.records.reading import read_record
 from vibro.records.sensors import EXACT, Mounting, SensorErrors
 from vibro.records.trough import MeasuredMotion, motion_of, speeds_of
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 TWO: Final = {"trough_along": 0, "trough_normal": 1}
 THREE: Final = {**TWO, "trough_across": 2}
@@ -33,8 +36,8 @@ def is_the_motion(measured: MeasuredMotion, line: Line, within: float = 2e-3) ->
     assert drive.quantities["drive_angle"].value == pytest.approx(line.angle, abs=within)
 
 
-@pytest.mark.parametrize("turn", [-50.0, -15.0, 0.0, 15.0, 50.0])
-@pytest.mark.parametrize("climb", [-8.0, 0.0, 5.0])
+@pytest.mark.parametrize("turn", [-50.0, 0.0, 15.0])
+@pytest.mark.parametrize("climb", [-8.0, 5.0])
 def test_gravity_gives_the_turn_of_two_axes(turn: float, climb: float) -> None:
     line = Line(climb=math.radians(climb))
     record = record_of(line, Case(pitch=math.radians(turn)), TWO)
@@ -67,7 +70,7 @@ def test_a_third_axis_gives_the_turn_about_the_normal() -> None:
         motion_of(record_of(line, Case(pitch=1.3), THREE), Mounting(GOOD))
 
 
-@pytest.mark.parametrize("seed", range(6))
+@each("seed", range(4))
 def test_axes_of_a_phone_need_no_names(seed: int) -> None:
     """However it lies, and whether its signs are those of Android or the opposite ones."""
     random = np.random.default_rng(seed)
@@ -96,58 +99,13 @@ def test_columns_of_a_phone_are_found(tmp_path: Path) -> None:
         assert abs(drive[name].value - true) < 1.0 * drive[name].error
 
 
-@pytest.mark.parametrize(
-    ("header", "are_found"),
-    [
-        ("t [s],gFx,gFy,gFz", True),
-        ("t [s],accel_x [mm/s^2],accel_y [mm/s^2],accel_z [mm/s^2]", True),
-        ("t [s],ax [g],ay [g],az [g],linear x [g],linear y [g],linear z [g]", False),
-        ("t [s],ax [g],ay [g],az [g],way [mm]", False),
-    ],
-)
-def test_three_axes_are_those_of_one_phone_alone(header: str, are_found: bool, tmp_path: Path) -> None:
-    path = tmp_path / "phone.csv"
-    count = header.count(",")
-    rows = "\n".join(f"0.{i:02}" + ",1.5" * count for i in range(30))
-    path.write_text(f"{header}\n{rows}\n", encoding="utf-8")
-    record = read_record(path)
-    assert record.trough.keys() == ({*AXES} if are_found else set())
-    if are_found and "gF" in header:
-        assert float(record.trough["trough_x"][0]) == 1.5 * G
+PHONE: Final = dict(zip(AXES, (2, 0, 1), strict=True))
 
 
-def test_what_is_stated_is_taken_and_questioned_by_gravity() -> None:
-    line = Line()
-    record = record_of(line, Case(pitch=0.25), TWO)
-    stated = motion_of(record, Mounting(GOOD, turned=0.25))
-    is_the_motion(stated, line)
-    assert not stated.warnings
-    assert stated.placement.turn_error == GOOD.tilt
-    wrong = motion_of(record, Mounting(GOOD, turned=0.0))
-    assert "turned by 14.3 deg, not by 0.0 deg" in wrong.warnings[0]
-    for roles in ({"trough_along": 0}, {"trough_normal": 1}):
-        one = record_of(line, Case(pitch=0.25), roles, gravity=False)
-        drive = motion_of(one, Mounting(GOOD, turned=0.25), drive_angle=line.angle).drive_on_line()
-        assert drive.quantities["amplitude"].value == pytest.approx(line.amplitude, rel=1e-3)
-
-
-def test_a_mean_that_is_not_gravity_turns_nothing() -> None:
-    line = Line()
-    record = record_of(line, Case(), TWO, gravity=False)
-    for offset, is_questioned in ((0.2 * G, False), (0.7 * G, True), (3.0 * G, False)):
-        signals = {**record.trough, "trough_along": record.trough["trough_along"] + offset}
-        other = type(record)(record.time, {}, signals, record.headers)
-        measured = motion_of(other, Mounting(GOOD))
-        is_the_motion(measured, line)
-        assert any("neither 0 nor gravity" in text for text in measured.warnings) == is_questioned
-        assert not measured.placement.by_gravity
-
-
-@pytest.mark.parametrize("roles", [TWO, THREE, {"trough_normal": 1}, dict(zip(AXES, (2, 0, 1), strict=True))])
-@pytest.mark.parametrize(
-    ("said", "true"),
-    [("m/s^2", "g"), ("g", "m/s^2"), ("g", "mg"), ("mg", "g"), ("m/s^2", "mm/s^2"), ("mm/s^2", "m/s^2")],
-)
+@each(("said", "true", "roles"), [
+    ("m/s^2", "g", TWO), ("g", "m/s^2", {"trough_normal": 1}), ("g", "mg", PHONE), ("mg", "g", THREE),
+    ("m/s^2", "mm/s^2", PHONE), ("mm/s^2", "m/s^2", TWO),
+])  # fmt: skip
 def test_gravity_in_another_unit_is_refused_with_the_unit_that_works(
     roles: dict[str, int], said: str, true: str, tmp_path: Path
 ) -> None:
@@ -179,18 +137,6 @@ def test_gravity_in_another_unit_is_refused_with_the_unit_that_works(
         assert f"but {said} is taken" in "".join(measured(said, columns).notes)
 
 
-@pytest.mark.parametrize("header", ["m/s^2", "g", "mg", "mm/s^2"])
-@pytest.mark.parametrize("offset", [0.0, 1e-3, 0.01, 0.08, 0.2, 0.4, 3.0])
-def test_offsets_are_no_gravity_in_another_unit(header: str, offset: float) -> None:
-    for gravity in (False, True):
-        for roles in (TWO, {"trough_normal": 1}):
-            record = record_of(Line(), Case(), roles, gravity=gravity)
-            signals = {role: values + offset * G for role, values in record.trough.items()}
-            headers = {role: f"{role} [{header}]" for role in roles}
-            other = type(record)(record.time, {}, signals, headers)
-            motion_of(other, Mounting(GOOD), drive_angle=None if len(roles) > 1 else 0.4)
-
-
 @pytest.mark.parametrize("corner", [40.0, 100.0])
 def test_a_low_pass_filter_is_taken_off_each_harmonic(corner: float) -> None:
     line = Line()
@@ -204,13 +150,6 @@ def test_a_low_pass_filter_is_taken_off_each_harmonic(corner: float) -> None:
     assert size == pytest.approx(line.amplitude / loss, rel=2e-3)
     lag = math.atan(line.frequency / corner) / (math.tau * line.frequency)
     assert plain.clock - corrected.clock == pytest.approx(lag, rel=0.01)
-
-
-def test_a_line_that_one_sensor_cannot_tell_is_refused() -> None:
-    """A normal sensor at a drive angle of 3 deg that is known to 1 deg."""
-    record = record_of(Line(angle=math.radians(3.0)), Case(), {"trough_normal": 1}, gravity=False)
-    with pytest.raises(InputError, match="cannot measure the motion at a drive angle of 3 deg"):
-        motion_of(record, Mounting(SensorErrors()), drive_angle=math.radians(3.0))
 
 
 def drawn(kind: str, seed: int) -> tuple[Line, Any, Mounting, float | None]:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.feeders import QUIET, feeder
+from helpers.feeders import feeder
 from helpers.made_records import trough_record
 
 import vibro
@@ -20,28 +20,6 @@ FRICTION = {"static_friction": 0.4, "kinetic_friction": 0.3}
 
 def speed(drive: dict[str, Any]) -> float:
     return float(vibro.solve(vibro.Scene(**drive, **FRICTION)).mean_velocity)
-
-
-def test_speed_and_its_error_are_those_of_the_scene_and_its_draws() -> None:
-    measured = motion_of(feeder(3).record(3, seconds=1.0))
-    speeds = speeds_of(measured, FRICTION, draws=80)
-    assert speeds.speed.value == pytest.approx(speed(measured.drive()), rel=1e-13)
-    drawn = vibro.solve(vibro.Scene(**measured.draws(80), **FRICTION))
-    assert speeds.speed.error == pytest.approx(float(np.std(drawn.mean_velocity, ddof=1)))
-    assert (speeds.draws, speeds.unknown, speeds.status) == (80, 0.0, vibro.Status.OK)
-    assert speeds.shares == {speeds.regime: 1.0}
-
-
-def test_the_last_harmonic_is_left_out_alone() -> None:
-    measured = motion_of(feeder(3).record(3))
-    less = measured.drive()
-    for name in ("along_harmonics", "normal_harmonics"):
-        less[name] = less[name][:-1]
-    change = speeds_of(measured, FRICTION, draws=2).last_harmonic
-    assert change == pytest.approx(speed(measured.drive()) - speed(less))
-    assert abs(change) > 0.01 * speed(measured.drive())
-    one = motion_of(trough_record(noise=0.05, cycles=30.0))
-    assert math.isnan(speeds_of(one, FRICTION, draws=2).last_harmonic)
 
 
 def test_errors_of_sensors_are_those_of_scenes_made_by_hand() -> None:
@@ -87,31 +65,6 @@ def test_one_sensor_has_one_gain_and_the_error_of_its_line() -> None:
     slopes = abs(sizes.normal[0] / sizes.along[0])
     assert np.std(np.arctan(slopes)) == pytest.approx(0.01, rel=0.06)
     assert np.std(abs(sizes.along[0])) / abs(measured.along[0]) == pytest.approx(0.02, rel=0.06)
-
-
-def test_draws_in_two_regimes_are_shared_out() -> None:
-    """A load at the onset of forward slip: about half of the draws rest."""
-    measured = motion_of(trough_record(noise=0.5, cycles=30.0))
-    scale = 1.0 / float(vibro.solve(vibro.Scene(**measured.drive(), **FRICTION)).forward_ratio)
-    small = replace(
-        measured, accelerations=scale * measured.accelerations, covariance=scale**2 * measured.covariance
-    )
-    shares = speeds_of(small, FRICTION).shares
-    assert shares.keys() == {vibro.Regime.NO_SLIP, vibro.Regime.FORWARD_SLIP}
-    assert sum(shares.values()) == pytest.approx(1.0)
-    assert 0.3 < shares[vibro.Regime.NO_SLIP] < 0.7
-    assert list(shares.values()) == sorted(shares.values(), reverse=True)
-
-
-def test_draws_without_a_speed_are_counted() -> None:
-    """Near the hop, where a drive with harmonics may have no numbers."""
-    measured = motion_of(feeder(8).record(8, seconds=0.5, density=30.0 * QUIET))
-    throw = hop_onset(measured, {}).throw_number
-    light = {**FRICTION, "gravity": 9.81 * throw.value}
-    speeds = speeds_of(measured, light)
-    drawn = vibro.solve(vibro.Scene(**measured.draws(200), **light))
-    assert speeds.unknown == pytest.approx(float(np.isnan(drawn.mean_velocity).mean()))
-    assert 0.2 < speeds.shares[vibro.Regime.HOPPING] < 0.8
 
 
 def test_the_throw_number_needs_no_friction() -> None:
