@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-import json
 import math
-import re
 import tomllib
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 import vibro
-from vibro.cli.app import app
 from vibro.core.codes import Regime
 from vibro.designs import guarantees
-from vibro.designs.design import find_designs
 from vibro.designs.optima import EllipseOptimiser
 from vibro.designs.proofs import begin_load, change_loads
 from vibro.designs.questions import Question
@@ -33,7 +28,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from vibro.designs.questions import Spec
     from vibro.results.designs import Design
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "design_motion.toml"
@@ -281,32 +275,12 @@ def test_designs_of_one_harmonic_are_those_of_the_ellipse(goal: dict[str, Any]) 
         assert wave.window == pytest.approx(oval.window, rel=1e-6)  # of an amplitude of 1 mm
 
 
-class Servo(NamedTuple):
-    """The example as the command line answers it, and the designs that it told."""
-
-    output: str
-    folder: Path
-    spec: Spec
-    found: DesignResult
-
-
 @pytest.fixture(scope="module")
-def servo(brief: None, tmp_path_factory: pytest.TempPathFactory) -> Servo:
-    folder, found = tmp_path_factory.mktemp("servo"), []
-    asked = folder / EXAMPLE.name
-    text = EXAMPLE.read_text("utf-8")
-    asked.write_text(f'{text}highest_regime = "forward-slip"\n', "utf-8")  # steps make none slip back here
-
-    def kept(*args: Any, **options: Any) -> DesignResult:
-        found.append(find_designs(*args, **options))
-        return found[0]
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("vibro.answers.drawing.design_pictures", lambda *_: {})
-        patch.setattr("vibro.designs.design.find_designs", kept)
-        run = CliRunner().invoke(app, ["design", str(asked), "-o", f"{folder}/"])
-    assert run.exit_code == 0, run.output
-    return Servo(run.stdout, folder, read_spec(asked), found[0])
+def servo(brief: None) -> DesignResult:
+    """The designs of the example, within forward slip: steps make none slip back here."""
+    asked = tomllib.loads(EXAMPLE.read_text(encoding="utf-8"))
+    asked["goal"]["highest_regime"] = "forward-slip"
+    return vibro.design(asked, only="goal")
 
 
 def slowest(scales: Any, frequencies: Any) -> NDArray[np.float64]:
@@ -323,10 +297,12 @@ def slowest(scales: Any, frequencies: Any) -> NDArray[np.float64]:
     return np.asarray(1e3 * vibro.solve(scene).mean_velocity.min(axis=-1))
 
 
-def test_designs_are_those_of_a_grid(servo: Servo) -> None:
+def test_designs_are_those_of_a_grid(servo: DesignResult) -> None:
     scale, frequency = np.meshgrid(np.linspace(0.5, 1.5, 51), np.linspace(1.5, 3.0, 3))
     least = slowest(scale, frequency)
-    gentlest, fastest, safest = servo.found.designs
+    gentlest, fastest, safest = servo.designs
+    assert [design.motion_scale for design in servo.designs] == [1.381, 1.5, 1.5]
+    assert not any(column.name == "amplitude_mm" for column in servo.columns)
     assert fastest.speed_min_mm_s == pytest.approx(least.max(), rel=1e-6)
     assert (fastest.motion_scale, fastest.frequency_hz) == (1.5, 1.5)
     gentle = scale[least >= 100.0].min()
@@ -360,17 +336,6 @@ def test_the_nearest_drive_meets_the_goal() -> None:
     assert fastest.frequency_needed_hz is not None
     assert slowest(fastest.motion_scale_needed, fastest.frequency_needed_hz) >= 400.0
     assert slowest(fastest.motion_scale_needed, 1.01 * fastest.frequency_needed_hz) < 400.0
-
-
-def test_the_example_is_answered_on_the_command_line(servo: Servo) -> None:
-    assert re.search(
-        r"scale +1\.381 \.\.\. 1\.5 keeps the goal \(below, the slowest part gets too slow", servo.output
-    )
-    names = {path.name for path in servo.folder.iterdir()}
-    assert names == {EXAMPLE.name, "design_motion-design.csv", "design_motion-design.json"}
-    answer = json.loads((servo.folder / "design_motion-design.json").read_text(encoding="utf-8"))
-    assert [d["motion_scale"] for d in answer["designs"]] == [1.381, 1.5, 1.5]
-    assert "amplitude_mm" not in answer["columns"]
 
 
 def test_a_speed_that_does_not_depend_on_the_scale_takes_no_more_scales(

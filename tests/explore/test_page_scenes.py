@@ -1,4 +1,4 @@
-"""Scenes in users' units, as the page hands them to its solver: drives of all kinds, maps, machines."""
+"""Scenes in the units of users, as the page hands them to its solver: motions, friction, machines."""
 
 from __future__ import annotations
 
@@ -25,37 +25,6 @@ export function run({ data, engine }, asked) {
 RESULTS = ("regime", "status", "mean_velocity", "peak_velocity")
 
 
-def drawn(seed: int, count: int) -> list[dict[str, float]]:
-    """Draw scenes in users' units, of lines, ellipses and harmonics."""
-    draw, found = Draws(f"scenes of pages {seed}"), []
-    for _ in range(count):
-        kind, order = (int(draw(0.0, top, 1)[0]) for top in (3.0, 5.0))
-        throw = float(draw(0.1, 3.0, 1)[0])
-        body = {
-            "frequency": float(draw(5.0, 100.0, 1)[0]),
-            "static_friction": float(draw(0.1, 1.0, 1)[0]),
-            "friction_ratio": float(draw(0.2, 1.0, 1)[0]),
-            "trough_angle": float(draw(-5.0, 5.0, 1)[0]),
-            "restitution": 0.0,
-        }
-        unit = 9810.0 / (2.0 * math.pi * body["frequency"]) ** 2  # [mm]
-        if kind == 0:
-            angle = float(draw(5.0, 60.0, 1)[0])
-            scene = {"amplitude": throw * unit / math.sin(math.radians(angle)), "drive_angle": angle}
-        else:
-            scene = {
-                "along_amplitude": 2.0 * throw * unit,
-                "normal_amplitude": throw * unit,
-                "normal_phase": float(draw(-180.0, 180.0, 1)[0]),
-            }
-        for n in range(2, order + 2) if kind == 2 else ():
-            for way in ("along", "normal"):
-                scene[f"{way}_amplitude_{n}"] = float(draw(0.0, 1.0, 1)[0]) * throw * unit / (n * n * order)
-                scene[f"{way}_phase_{n}"] = float(draw(-180.0, 180.0, 1)[0])
-        found.append(scene | body)
-    return found
-
-
 def assert_same(found: list[Any], scene: vibro.Scene) -> None:
     cycle = vibro.solve(scene)
     for name, x in zip(RESULTS, found, strict=True):
@@ -66,13 +35,6 @@ def assert_same(found: list[Any], scene: vibro.Scene) -> None:
         if name == "peak_velocity" and cycle.status == vibro.Status.AVERAGED:
             continue
         assert float(x) == pytest.approx(expected, abs=bound, rel=0.0, nan_ok=True), (name, scene)
-
-
-def test_drives_of_all_kinds_are_those_of_python() -> None:
-    scenes = drawn(1, 150)
-    found = in_modules(RUN, [{"values": values, "given": None} for values in scenes])
-    for values, one in zip(scenes, found, strict=True):
-        assert_same(one, vibro.Scene(**scene_fields(values)))
 
 
 @pytest.mark.parametrize("name", ["steps", "samples"])
