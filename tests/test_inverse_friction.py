@@ -166,9 +166,8 @@ def test_all_frictions_are_found_and_none_is_invented(kind: str, count: int, sca
             kinetic = np.sort(
                 np.exp(random.uniform(math.log(LEAST_FRICTION), math.log(MOST_FRICTION), dense))
             )
-            values = {f: getattr(scene, f) for f in scene.__dataclass_fields__}
-            values |= {"static_friction": np.maximum(kinetic / ratio, kinetic), "kinetic_friction": kinetic}
-            _same_changes(kinetic, solve(Scene(**values)).mean_velocity, target, found, here)
+            denser = _with(scene, np.maximum(kinetic / ratio, kinetic), kinetic)
+            _same_changes(kinetic, solve(denser).mean_velocity, target, found, here)
             solutions += len(found.solutions)
     assert solutions > 0.5 * count
 
