@@ -58,7 +58,7 @@ def two_cores(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 # Sessions of tests/messages that are said in a second and notice much.
-_SHORT: Final = ("design", "drives", "machines", "map", "others", "python_questions", "simulate", "tables")
+_SHORT: Final = ("design", "drives", "machines", "map", "python_questions", "simulate", "tables")
 
 # What the markers pick (CONTRIBUTING.md), by the beginnings of tests. ``fast`` has those of each room that
 # notice most of benchmarks/faults.toml for their time: more than half of it, in half a minute on a core.

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 from engines.digits_walk import exact_cycle
-from helpers.scenes import line_of
 from matplotlib.text import Text
 
 import vibro
@@ -58,18 +57,6 @@ def test_a_simulation_that_does_not_settle_says_so(monkeypatch: pytest.MonkeyPat
     assert math.isnan(simulate_by_events(next(motions(steep)), "DOP853", 1e-9).displacement)
     monkeypatch.setattr("vibro.accuracy.events._MOST_SLIDES", 4)
     assert math.isnan(simulate_by_events(next(motions(nut(2.0))), "DOP853", 1e-12).displacement)
-
-
-def test_scenes_are_drawn_evenly_from_every_axis() -> None:
-    scene = line_of(draw_scenes(grid(amplitude="1:3"), 0, 2000))
-    assert scene.amplitude.shape == (2000,)
-    for values, low, high in (
-        (scene.amplitude, 1e-3, 3e-3),
-        (scene.drive_angle, math.radians(2.0), math.radians(45.0)),
-        (scene.kinetic_friction / scene.static_friction, 0.4, 1.0),
-    ):
-        counts, _ = np.histogram(values, 8, (low, high))
-        assert abs(counts - 250).max() < 40
 
 
 def test_a_small_grid_is_taken_whole_and_without_what_cannot_be() -> None:
@@ -121,28 +108,19 @@ def test_the_order_of_the_methods_is_that_of_the_documentation(trade: Trade) -> 
     assert all(row.error_max > 1e3 * exact.error_max for row in others)
     assert all(row.time_us > 10.0 * exact.time_us for row in others)
 
-    for solver, settings in (
-        ("RK45", ("rtol 1e-3", "rtol 1e-6", "rtol 1e-9")),
-        ("DOP853", ("rtol 1e-6", "rtol 1e-9", "rtol 1e-12")),
-        ("LSODA", ("rtol 1e-3", "rtol 1e-6", "rtol 1e-9")),
+    for method, settings in (
+        ("events, RK45", [f"rtol 1e-{digits}" for digits in (3, 6, 9)]),
+        ("events, DOP853", [f"rtol 1e-{digits}" for digits in (6, 9, 12)]),
+        ("events, LSODA", [f"rtol 1e-{digits}" for digits in (3, 6, 9)]),
+        ("smoothed friction", [f"width {width} A w" for width in ("0.01", "0.001", "0.0001")]),
+        ("time steps", [f"{n} a cycle" for n in (20, 40, 400, 4000)]),
     ):
-        errors = [named(trade, f"events, {solver}", s).error_max for s in settings]
-        assert errors == sorted(errors, reverse=True)
-        assert errors[0] > 100.0 * errors[-1]
-        assert errors[-1] < 1e-5
-
-    widths = [named(trade, "smoothed friction", f"width {w} A w") for w in ("0.01", "0.001", "0.0001")]
-    drifts = [row.drift_at_rest for row in widths]
-    assert drifts == sorted(drifts, reverse=True)
-    assert drifts[0] > 1e-3
-    assert all(row.drift_at_rest == 0.0 for row in trade.rows if row not in widths)
-    medians = [row.error_median for row in widths]
-    assert medians == sorted(medians, reverse=True)
-
-    steps = [named(trade, "time steps", f"{n} a cycle") for n in (20, 40, 400, 4000)]
-    medians = [row.error_median for row in steps]
-    assert medians == sorted(medians, reverse=True)
-    assert steps[1].beyond_tolerance > 0.3 * steps[1].scenes
+        rows = [named(trade, method, setting) for setting in settings]
+        medians, drifts = [row.error_median for row in rows], [row.drift_at_rest for row in rows]
+        assert medians == sorted(medians, reverse=True)
+        assert drifts == sorted(drifts, reverse=True)
+        assert (drifts[0] > 1e-3) == (method == "smoothed friction")  # the others rest
+        assert rows[-1].error_max < 1e-5 or not method.startswith("events")
 
 
 def test_the_advice_names_what_is_right_in_every_scene(trade: Trade) -> None:

@@ -10,7 +10,6 @@ from helpers.pixels import pixels
 
 import vibro
 from vibro.plots import map_figures, results_drawn
-from vibro.plots.view import choose_view
 from vibro.results.steady import RESULTS
 from vibro.results.sweep import SweepResult
 from vibro.sweeps import run
@@ -32,20 +31,6 @@ def test_pictures_need_no_other_results() -> None:
     assert len(results_drawn(["flight"], has_limits=True, of_starts=False)) < len(RESULTS)
     every = map_figures(whole, ["flight"])["flight"]
     np.testing.assert_array_equal(pixels(t.draw("flight")), pixels(every))
-
-
-def test_long_ranges_show_some_of_their_values_and_their_ends() -> None:
-    t = vibro.sweep(amplitude_mm="0.1:3:701", frequency_hz="5:60:601", output="regimes", **LINE)
-    view = choose_view(t._grid.axes)
-    (image,) = t.draw("regime").axes
-    assert (image.get_xlim(), image.get_ylim()) == ((5.0, 60.0), (0.1, 3.0))
-    seen = run._solved_indices(t._grid, view.drawn)
-    assert seen["frequency"].tolist() == list(range(0, 601, 2))
-    amplitudes = seen["amplitude"]
-    assert (len(amplitudes), amplitudes[0], amplitudes[-1]) == (351, 0, 700)
-    few = vibro.sweep(amplitude_mm="0.1:3:11", frequency_hz="5:60:600", output="regimes", **LINE)
-    seen = run._solved_indices(few._grid, choose_view(few._grid.axes).drawn)
-    assert [len(indices) for indices in seen.values()] == [11, 600]
 
 
 def test_every_cell_has_the_colour_of_its_speed_where_it_lies() -> None:
