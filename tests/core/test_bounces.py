@@ -59,6 +59,19 @@ def test_accumulated_bounces_are_summed_as_if_one_flew_them_all(restitution: flo
     assert after.impulse == pytest.approx(impulse, rel=1e-10)
 
 
+@pytest.mark.parametrize(("factor", "contact"), [(1.0 - 1e-9, True), (1.0 + 1e-9, False)])
+@pytest.mark.parametrize("accumulated", [ACCUMULATED, 5e-2])
+def test_bounces_are_summed_once_they_are_short_enough(
+    factor: float, contact: bool, accumulated: float
+) -> None:
+    load = 1.0 - 1.5 * math.sin(3.0)
+    impact = 0.5 * accumulated * factor * load * (1.0 - 0.3) / 0.3
+    after = after_landing(sinusoidal(1.5), 3.0, impact, 0.3, accumulated)
+    assert after.contact is contact
+    assert after.take_off == (0.0 if contact else pytest.approx(0.3 * impact))
+    assert after.length == (pytest.approx(accumulated) if contact else 0.0)
+
+
 def test_bounces_are_not_summed_where_the_trough_falls_away_before_they_end() -> None:
     # ahead of the lift-off the load is positive, but vanishes there
     throw, restitution, length, seen = 1.5, 0.5, 1e-9, set()
@@ -87,6 +100,18 @@ def _bouncing(count: int) -> list[tuple[float, float, float, float]]:
         (draw.uniform(1.2, 6.0), draw.uniform(0.2, 0.9), draw.uniform(0.0, TURN), draw.uniform(1.0, 8.0))
         for _ in range(count)
     ]
+
+
+def test_summed_bounces_add_the_scatter_of_their_duration() -> None:
+    throw, restitution, phase, speed = 1.5, 0.5, 4.0, 0.3
+    flown, errors = _flight(throw, phase, speed), Covariance(0.0, 0.0, 1.0)
+    without = propagate(sinusoidal(throw), restitution, phase, speed, flown, 0.0, errors)
+    tail = 0.7
+    got = propagate(sinusoidal(throw), restitution, phase, speed, flown, tail, errors)
+    # they last in proportion to the speed of the first, e u
+    lever = tail / (restitution * flown.impact)
+    assert got.phase - without.phase == pytest.approx(lever**2 * without.speed, rel=1e-9)
+    assert (got.both, got.speed) == (without.both, without.speed)
 
 
 def test_the_rounding_of_a_flight_is_covered_and_not_exaggerated() -> None:

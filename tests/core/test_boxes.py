@@ -192,6 +192,13 @@ def assert_none_is_slower(box: Box, every: int = 1) -> None:
     assert np.all(least <= speed + ROUNDING * largest_speed(box))
 
 
+def test_friction_beyond_its_ratios_is_that_at_the_cut() -> None:
+    box = box_of(NUT, ratio_low=0.7, ratio_high=0.75)
+    for kinetic, cut in ((0.2, 0.7 * 0.74), (0.7, 0.75 * 0.74), (0.53, 0.53)):
+        given: Any = [*NUT[:6], kinetic, *NUT[:6], cut]
+        assert speed_at(box, given, 0) == speed_at(box, given, AXES)
+
+
 @examples(40)
 @given(solver_boxes())
 def test_no_body_is_slower_than_the_bound_of_its_box(box: Box) -> None:

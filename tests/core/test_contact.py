@@ -23,7 +23,7 @@ from helpers.scenes import Groups
 from helpers.two_axis_scenes import rotated
 
 from vibro.core import contact as module
-from vibro.core.codes import PATTERNS, Pattern, Regime, Status
+from vibro.core.codes import PATTERNS, Model, Pattern, Regime, Status
 from vibro.core.contact import (
     ContinuousSliding,
     Steady,
@@ -34,10 +34,11 @@ from vibro.core.contact import (
     likely_sliding,
     outlasts_back,
     pair_of,
+    regime_alone,
     steady_cycle,
 )
 from vibro.core.drive import Loads, directions, line_loads
-from vibro.core.slides import Start, resting_start, thresholds
+from vibro.core.slides import Start, Thresholds, resting_start, thresholds
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -73,6 +74,10 @@ STEEP_CLIMB = Groups(1.0, 8.631, 0.4358, 0.2052, 9.165)
 ROUGH_CLIMB = Groups(1.0, 22.568, 0.2869, 0.2767, 5.454)
 DESCENT = Groups(1.0, 9.03, 0.573, 0.48, -2.46)
 LATE_BACK = Groups(1.0, 44.8, 0.492, 0.189)
+
+
+def pattern_of(loads: Loads) -> str:
+    return PATTERNS[steady(loads).pattern]
 
 
 @each("line_too", [True, False])
@@ -137,6 +142,50 @@ def test_a_trough_at_the_angle_of_static_friction_is_a_boundary(mu_s: float, way
             assert (beside(1.0 + ulps * EPS).pattern == Pattern.R) == (mu_d < mu_s)
         assert beside(1.0 - 1e-14).status == Status.OK
         assert beside(1.0 + 1e-14).status == Status.RUNAWAY
+
+
+# --------------------------------------------------------------------- scenes without a cycle, and classes
+
+
+@each("solve", [steady_cycle, regime_alone])
+@each(
+    ("loads", "regime", "status"),
+    [
+        (line(20.0, 0.1, 0.5, 0.6), Regime.UNDEFINED, Status.INFEASIBLE),  # hops too
+        (line(20.0, 0.1, 0.0, 0.0), Regime.HOPPING, Status.FLIGHT_NOT_MODELLED),
+        (line(20.0, 0.1, 0.5, 0.4), Regime.HOPPING, Status.FLIGHT_NOT_MODELLED),
+        (line(20.0, 0.9, 0.0, 0.0), Regime.UNDEFINED, Status.INDETERMINATE),
+        (line(20.0, 0.9, 0.0, 0.0, 1e-13), Regime.BACK_SLIP, Status.RUNAWAY),
+        (line(20.0, 0.9, 0.0, 0.0, -5.0), Regime.FORWARD_SLIP, Status.RUNAWAY),
+        (line(20.0, 0.9, 0.3, 0.2, 25.0), Regime.BACK_SLIP, Status.RUNAWAY),
+        (line(20.0, 0.9, 0.3, 0.2, -25.0), Regime.FORWARD_SLIP, Status.RUNAWAY),
+        (ellipse(1.0, 0.2, 2.0, 0.9, 0.3, 0.2, 0.5), Regime.BACK_SLIP, Status.RUNAWAY),
+        (line(80.0, 1.2, 0.4, 0.3, 30.0), Regime.BACK_SLIP, Status.RUNAWAY),  # 110 deg in all
+    ],
+)
+def test_scenes_without_a_cycle_say_why(
+    solve: Callable[[Loads, Thresholds], Steady], loads: Loads, regime: Regime, status: Status
+) -> None:
+    found = solve(loads, thresholds(loads))
+    assert found[:4] == (regime, status, Pattern.NONE, Model.NONE)
+    assert math.isnan(found.displacement)
+    assert math.isnan(found.peak)
+    assert found.coexists == -1
+
+
+def test_where_back_slip_enters_the_class_alone_is_a_boundary() -> None:
+    low, high = 1.0, 1.4
+    while (middle := 0.5 * (low + high)) not in (low, high):
+        low, high = (middle, high) if pattern_of(at_load(LATE_BACK, middle)) == "F_" else (low, middle)
+    for line_too in (True, False):
+        loads = at_load(LATE_BACK, low)._replace(line=line_too)
+        assert outlasts_back(pair_of(loads, thresholds(loads))) == 0 or not line_too
+        alone = regime_alone(loads, thresholds(loads))
+        assert (alone.regime, alone.status) == (Regime.FORWARD_SLIP, Status.BOUNDARY)
+        for offset, regime in ((-1e-10, Regime.FORWARD_SLIP), (1e-10, Regime.BACK_SLIP)):
+            beside = at_load(LATE_BACK, low * (1.0 + offset))._replace(line=line_too)
+            alone = regime_alone(beside, thresholds(beside))
+            assert (alone.regime, alone.status) == (regime, Status.OK)
 
 
 # ---------------------------------------------------------------------------------------- coexistence

@@ -81,6 +81,15 @@ def test_far_arrivals_are_where_the_history_is(name: str) -> None:
     assert (later - time) * f == pytest.approx(1e6 * period, rel=1e-11)
 
 
+def test_a_slide_that_does_not_come_again_is_not_waited_for() -> None:
+    """Pushed back at first, the body slides forward alone later."""
+    scene = FAR["F_"]
+    start = {"start_velocity": -0.8 * float(scene.scale) * TURN * 15.0}
+    assert vibro.simulate(scene, cycles=1, **start).phases[0].kind == "B"
+    length = 1e11 * float(vibro.solve(scene).displacement_per_cycle)
+    assert vibro.arrival_time(scene, length, **start) * 15.0 == pytest.approx(1e11, rel=1e-9)
+
+
 def test_a_body_in_another_cycle_than_that_from_rest_arrives_where_that_leads() -> None:
     """It conveys 6.4684 g/w^2 a cycle from rest, and 0.5732 if disturbed."""
     scene = at_load(1.49149, math.degrees(0.7034), 0.457783, 0.0429106)
