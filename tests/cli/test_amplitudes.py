@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from helpers.commands import NUT, Run
+from helpers.commands import NUT, STEPS_FILE, Run
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -31,14 +31,7 @@ def test_the_amplitudes_that_reach_a_speed(run: Run) -> None:
             assert cycle["regime"] != "hopping"
 
 
-STEPS = """[scene]
-frequency_hz = 2.5
-static_friction = 0.3
-kinetic_friction = 0.25
-motion_scale = 7
-[motion]
-along_steps = [[0.8, 2.4], [0.2, -9.6]]
-"""
+STEPS = STEPS_FILE.replace("trough_length_mm = 3000", "motion_scale = 7")
 DISPLACEMENTS = STEPS.partition("along")[0] + "along_samples_mm = [0, -13, -14, -12, -1, 23, 16, 1]\n"
 WAVE = """[scene]
 frequency_hz = 15

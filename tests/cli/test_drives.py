@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.commands import ELLIPSE, NUT, Run, other, rows_of
+from helpers.commands import ELLIPSE, NUT, STEPS_FILE, Run, other, rows_of
 
 import vibro
 
@@ -17,14 +17,6 @@ BODY = "frequency_hz = 25\nstatic_friction = 0.4\nkinetic_friction = 0.3\n"
 LINE = f"[scene]\namplitude_mm = 1\ndrive_angle_deg = 20\n{BODY}"
 ON_ELLIPSE = f"[scene]\nalong_amplitude_mm = 1\nnormal_amplitude_mm = 0.3\nnormal_phase_deg = -60\n{BODY}"
 HARMONICS = f"[scene]\nalong_amplitudes_mm = [1, 0.3]\nalong_phases_deg = [0, 90]\n{BODY}"
-STEPS = """[scene]
-frequency_hz = 2.5
-static_friction = 0.3
-kinetic_friction = 0.25
-trough_length_mm = 3000
-[motion]
-along_steps = [[0.8, 2.4], [0.2, -9.6]]
-"""
 
 
 def written(text: str) -> Path:
@@ -39,7 +31,7 @@ def test_a_drive_given_whole_takes_the_place_of_a_file_s(run: Run) -> None:
     assert "amplitude_mm" not in answer
     file = written(ON_ELLIPSE)
     assert json.loads(run("solve", file, "phase=30", "--json").stdout)["normal_phase_deg"] == 30.0
-    for text in (ON_ELLIPSE, HARMONICS, STEPS):
+    for text in (ON_ELLIPSE, HARMONICS, STEPS_FILE):
         answer = json.loads(run("solve", written(text), "--stroke", "2", "-a", "20", "--json").stdout)
         assert (answer["amplitude_mm"], answer["drive_angle_deg"]) == (1.0, 20.0)
         assert "motion_scale" not in answer
@@ -99,7 +91,7 @@ def test_each_regime_begins_where_the_report_says(
 
 
 def test_where_motions_of_steps_begin(run: Run) -> None:
-    told = json.loads(run("solve", written(STEPS), "--json").stdout)
+    told = json.loads(run("solve", written(STEPS_FILE), "--json").stdout)
     # the slide is p/2 (s + p/b) T^2 long, p = (9.6 c - f) s, b = 2.4 c + f, f = mu_d g, s = 0.2
     f = 0.25 * 9.81
     peak, fall = 0.2 * (9.6 - f), 2.4 + f
@@ -116,7 +108,7 @@ def test_where_motions_of_steps_begin(run: Run) -> None:
 
 def test_stored_sweeps_keep_their_motion(run: Run) -> None:
     axes = '[map]\nmotion_scale = "0.2:3:12"\nfrequency_hz = "1:5:9"\n'
-    file = written(STEPS + axes)
+    file = written(STEPS_FILE + axes)
     arguments = ("map", file, "-o", "stored.parquet")
     assert run(*arguments).exit_code == 0
     stored, swept = vibro.open_sweep("stored.parquet"), vibro.sweep(file)
@@ -125,7 +117,7 @@ def test_stored_sweeps_keep_their_motion(run: Run) -> None:
     assert stored.fixed == swept.fixed
     assert stored.draw("speed").axes
     # another motion is another sweep
-    written(STEPS.replace("-9.6", "-9.61") + axes)
+    written(STEPS_FILE.replace("-9.6", "-9.61") + axes)
     refused = run(*arguments)
     assert refused.exit_code != 0
     assert "along_steps: [[0.8, 2.4], [0.2, -9.6]] there, [[0.8, 2.4], [0.2, -9.61]] here" in refused.stderr

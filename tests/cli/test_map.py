@@ -8,9 +8,7 @@ from pathlib import Path
 
 import pytest
 from helpers.commands import NUT, NUT_ANGLE_AND_FRICTION, NUT_FILE, Run, other, rows_of
-from typer.testing import CliRunner, Result
 
-from vibro.cli.app import app
 from vibro.sweeps.columns import columns_of
 
 
@@ -21,64 +19,35 @@ def names() -> list[str]:
 NUT_MAP = ("map", "-A", "0.5:1.1:2", "-f", "10:30:5", *NUT_ANGLE_AND_FRICTION, "-L", "600", "-o", "out/nut")
 
 
-@pytest.fixture(scope="module")
-def nut_map(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Result]:
-    """Map once what several tests look at: the folder of the files, and what was said."""
-    folder = tmp_path_factory.mktemp("map")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.chdir(folder)
-        return folder / "out", CliRunner().invoke(app, NUT_MAP)
+def test_a_map_writes_its_table_and_pictures_and_how_to_run_it_again(run: Run) -> None:
+    from PIL import Image
 
-
-def test_a_map_writes_its_table_pictures_and_sidecar(nut_map: tuple[Path, Result]) -> None:
-    out, result = nut_map
-    assert result.exit_code == 0
-    assert result.stdout == ""
-    assert sorted(path.name for path in out.iterdir()) == [
-        "nut-regime.png", "nut-speed.png", "nut-traverse.png", "nut.csv", "nut.json",
-    ]  # fmt: skip
-    rows = rows_of((out / "nut.csv").read_text(encoding="utf-8"))
+    result = run(*NUT_MAP)
+    assert (result.exit_code, result.stdout) == (0, "")
+    files = ["nut.csv", "nut-regime.png", "nut-speed.png", "nut-traverse.png", "nut.json"]
+    assert names() == sorted(files)
+    rows = rows_of(Path("out/nut.csv").read_text(encoding="utf-8"))
     usual = columns_of(made_with=["restitution", "trough_length"])
     assert list(rows[0]) == [column.name for column in usual]
     assert [(row["amplitude_mm"], row["frequency_hz"]) for row in rows] == list(
         itertools.product(["0.5", "1.1"], ["10", "15", "20", "25", "30"])
     )
-
-
-def test_the_sidecar_says_how_to_run_it_again(nut_map: tuple[Path, Result]) -> None:
-    out, _ = nut_map
-    content = json.loads((out / "nut.json").read_text(encoding="utf-8"))
+    content = json.loads(Path("out/nut.json").read_text(encoding="utf-8"))
     assert content["version"]
     assert content["argv"] == ["vibro", *NUT_MAP]
     assert content["scene"] == {
-        "drive_angle_deg": 20,
-        "static_friction": 0.74,
-        "kinetic_friction": 0.57,
-        "trough_angle_deg": 0,
-        "gravity_m_s2": 9.81,
-        "restitution": 0,
-        "trough_length_mm": 600,
-    }
+        "drive_angle_deg": 20, "static_friction": 0.74, "kinetic_friction": 0.57, "trough_angle_deg": 0,
+        "gravity_m_s2": 9.81, "restitution": 0, "trough_length_mm": 600,
+    }  # fmt: skip
     assert content["axes"]["amplitude_mm"] == {"count": 2, "first": 0.5, "last": 1.1, "spacing": "linear"}
-    assert content["axes"]["frequency_hz"] == {"count": 5, "first": 10, "last": 30, "spacing": "linear"}
     assert content["cells"] == 10
-    rows = rows_of((out / "nut.csv").read_text(encoding="utf-8"))
     for key in ("status", "regime"):
         for label, number in content[key].items():
             assert sum(row[key] == label for row in rows) == number
     assert content["columns"]["mean_velocity_mm_s"] == "mm/s"
-    assert content["files"] == [
-        "nut.csv", "nut-regime.png", "nut-speed.png", "nut-traverse.png", "nut.json",
-    ]  # fmt: skip
-
-
-def test_pictures_carry_the_sidecar(nut_map: tuple[Path, Result]) -> None:
-    from PIL import Image
-
-    out, _ = nut_map
-    content = json.loads((out / "nut.json").read_text(encoding="utf-8"))
+    assert content["files"] == files
     for name, title in (("regime", "Steady regimes"), ("speed", "Mean conveying speed")):
-        with Image.open(out / f"nut-{name}.png") as picture:
+        with Image.open(f"out/nut-{name}.png") as picture:
             assert json.loads(picture.info["Description"]) == content
             assert picture.info["Title"] == title
 

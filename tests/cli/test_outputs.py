@@ -66,36 +66,23 @@ def test_endings_say_what_is_written(
     assert (result.stdout == "") is (command[0] in ("map", "schema") and "-" not in outputs)
 
 
-OF_A_MAP = (
-    "it is written as .csv, .xlsx, .parquet, .json, .png, .svg, .pdf; a name without an ending is that of"
-)
-A_NAME = "give a name for the files, such as -o out/nut"
-
-
-@each(
-    ("command", "said", "error", "hint"),
-    [
-        (QUICK, "-o x.txt", "x.txt: this answer is not written as .txt", f"{OF_A_MAP} all usual files"),
-        (SOLVE, "-o x.png", "x.png: this answer is not written as .png", "as .csv, .xlsx, .json, .html;"),
-        (SIMULATE, "-o x.xlsx", "x.xlsx: this answer is not written as .xlsx", "as .csv, .json, .png,"),
-        (("schema",), "-o x.toml", "x.toml: this answer is not written as .toml", "as .json;"),
-        (QUICK, "-o .csv", "-o .csv: the name is missing", A_NAME),
-        (QUICK, "-o no/..", "-o no/..: the name is missing", A_NAME),
-        (QUICK, "-o ", "-o '': no file has such a name", A_NAME),
-        (QUICK, "-o a\0b", "-o a\\x00b: no file has such a name", A_NAME),
-        (QUICK, "--json -o -", "--json and -o - both want stdout", "leave one of them out"),
-        (LINE, "-o x.png", "-o x.png: there is nothing to draw", "leave it out"),
-        (QUICK, "-o x.parquet --workers tcp://a", "workers = 'tcp://a': must be a whole", "write it like"),
-    ],
-)  # fmt: skip
+@each(("command", "said", "error"), [
+    (QUICK, "-o .csv", "-o .csv: the name is missing"),
+    (QUICK, "-o no/..", "-o no/..: the name is missing"),
+    (QUICK, "-o ", "-o '': no file has such a name"),
+    (QUICK, "-o a\0b", "-o a\\x00b: no file has such a name"),
+    (LINE, "-o x.png", "-o x.png: there is nothing to draw"),
+    (QUICK, "-o x.parquet --workers tcp://a", "workers = 'tcp://a': must be a whole"),
+])  # fmt: skip
 def test_what_cannot_be_written_is_refused(
-    run: Run, command: tuple[object, ...], said: str, error: str, hint: str
+    run: Run, command: tuple[object, ...], said: str, error: str
 ) -> None:
+    """Endings: tests/messages."""
     result = run(*command, *said.split(" "))
     assert result.exit_code == 2
     told = [line for line in result.stderr.splitlines() if line.startswith(("error: ", "hint: "))]
     assert error in told[0]
-    assert hint in told[1]
+    assert told[1].startswith("hint: ")
     assert files() == set()
 
 

@@ -27,6 +27,15 @@ static_friction = 0.74
 kinetic_friction = 0.57
 """
 
+STEPS_FILE = """[scene]
+frequency_hz = 2.5
+static_friction = 0.3
+kinetic_friction = 0.25
+trough_length_mm = 3000
+[motion]
+along_steps = [[0.8, 2.4], [0.2, -9.6]]
+"""
+
 NUT_ANGLE_AND_FRICTION = NUT[4:]
 
 FRICTION = ("--mu-s", "0.4", "--mu-d", "0.3")
