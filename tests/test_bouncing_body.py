@@ -103,7 +103,7 @@ def test_noise_shows_where_rounding_repeats(monkeypatch: pytest.MonkeyPatch) -> 
     for name in ("FIRST_WINDOW", "MOST_PERIOD"):
         monkeypatch.setattr(bouncing_runs, name, 32)
     both = scenes(CHAOTIC, (0.002, 0.5, 0.5, 0.4, 0.0))
-    means, size = long_run(both, copies=8, last=32), both["amplitude"]
+    means, size = long_run(both, copies=4, last=32), both["amplitude"]
     assert means.error[0] > 1e-3 * size[0]
     assert means.error[1] < 1e-12 * size[1]
     assert means.displacement[1] == pytest.approx(recurrence(both).displacement[1], rel=1e-9)

@@ -50,7 +50,7 @@ def replaced(drawn: Scene, **values: Any) -> Scene:
 @pytest.mark.parametrize("harmonics", [2, 3, 8])
 def test_mirrored_scenes_move_the_other_way(harmonics: int) -> None:
     """The motion along the trough is turned round, that off it stays; in contact and above it."""
-    count = 400 if doors().compiled else 40
+    count = 200 if doors().compiled else 40
     drawn = random_harmonics(count, 6, harmonics)
     assert drawn.along_harmonics is not None
     turned = replaced(

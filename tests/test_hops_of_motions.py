@@ -45,7 +45,7 @@ def test_a_landing_at_a_jump_of_the_load_is_a_lift_off_at_it() -> None:
 # ------------------------------------------------------------------------------- means beside long walks
 
 
-def _walked(scene: Scene, cycles: int = 2000, bodies: int = 4) -> tuple[float, float]:
+def _walked(scene: Scene, cycles: int = 1000, bodies: int = 4) -> tuple[float, float]:
     """Return the mean displacement per cycle behind a transient, and its standard error, of bodies from rest.
 
     Rounding, or a scale a little off, chooses the flights of each.

@@ -65,7 +65,7 @@ def random_steps(seed: int, count: int) -> Any:
 def test_random_steps_agree_with_a_walk_of_uniform_accelerations() -> None:
     """In contact and with flights."""
     compared, slid, hopped = 0, 0, 0
-    for shares, along, normal, mu_s, mu_d, angle, frequency in random_steps(4, 400):
+    for shares, along, normal, mu_s, mu_d, angle, frequency in random_steps(4, 150):
         weights = GRAVITY * math.cos(angle), GRAVITY * math.sin(angle)
         levels = [(float(s), float(a), float(n)) for s, a, n in zip(shares, along, normal, strict=True)]
         walked = displacement(Drive(levels, mu_s, mu_d, *weights, 1.0 / frequency))
@@ -85,9 +85,9 @@ def test_random_steps_agree_with_a_walk_of_uniform_accelerations() -> None:
         compared += 1
         slid += walked != 0.0
         hopped += "H" in str(cycle.pattern)
-    assert compared >= 300
-    assert slid >= 200
-    assert hopped >= 30
+    assert compared >= 100
+    assert slid >= 70
+    assert hopped >= 10
 
 
 def test_a_clamped_part_climbs_a_vertical_trough() -> None:

@@ -9,7 +9,7 @@ import math
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-_CYCLES = 4000
+_CYCLES = 2000
 
 
 class Drive(NamedTuple):

@@ -159,7 +159,7 @@ def slippery(count: int, seed: int, *, ellipse: bool) -> Iterator[tuple[Scene, v
 def test_shares_are_those_of_walks_from_random_phases(ellipse: bool, seed: int) -> None:
     """Nothing is shared with tests/engines/two_axis_walk.py; shares are within 4 combined errors."""
     bodies = 16
-    for scene, found in slippery(4, seed, ellipse=ellipse):
+    for scene, found in slippery(3, seed, ellipse=ellipse):
         seen = walked(scene, found, bodies, seed, 400)
         for one, share in zip(found, seen.shares, strict=True):
             errors = [math.sqrt(max(x * (1.0 - x), 0.05) / n) for x, n in ((one.share, 64), (share, bodies))]
