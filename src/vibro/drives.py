@@ -715,8 +715,8 @@ def _cut(own: Floats, pieces: Floats, breaks: Floats) -> Floats:
 class Ability(Enum):
     """Results that only some kinds of drive have; every kind has steady cycles, critical loads, histories."""
 
-    ONE_HARMONIC = "closed forms of slides"
-    PROOF = "closed forms and proved bounds"
+    ONE_HARMONIC = "formulas of slides"
+    PROOF = "formulas and proved bounds"
 
 
 class Drive:

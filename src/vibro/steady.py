@@ -366,8 +366,8 @@ def scale_slope(scene: Scene, cycle: SteadyCycle) -> Floats:
     Returns
     -------
     array
-        d ln(displacement) / d ln(motion_scale); NaN at rest, for bodies that hop, and beside a change of
-        the pattern or of the way [1].
+        Per cent of displacement that 1 % of motion_scale brings; NaN at rest, for bodies that hop, and
+        beside a change of the pattern or of the way [1].
 
     Notes
     -----
@@ -409,8 +409,8 @@ def speed_exponent(scene: Scene, cycle: SteadyCycle) -> Floats:
     Returns
     -------
     array
-        d ln(speed) / d ln(amplitude) within the pattern; NaN at thresholds, for bodies that hop, and where
-        the speed is 0 [1].
+        Per cent of speed that 1 % of amplitude brings, within the pattern; NaN at thresholds, for bodies
+        that hop, and where the speed is 0 [1].
     """
     pattern = cycle.pattern_code
     displacement = cycle.displacement_per_cycle / scene.scale

@@ -18,7 +18,7 @@ def test_other_motions_are_looked_for_on_request(run: Run) -> None:
 
 def test_cells_where_most_parts_move_otherwise_are_counted(run: Run) -> None:
     scene = ("map", "-A", "0.5,1.65", "-f", "15", "-a", "40.3", "--mu-s", ".458", "--mu-d", ".043", "-o", "-")
-    told = "in 1 of 2 cells most parts move otherwise than the one released at phase 0"
+    told = "in 1 of 2 cells most parts move otherwise than the one released at the start of a cycle"
     found = run(*scene, "--starts", "16")
     assert [float(row["share"]) < 0.5 for row in rows_of(found.stdout)] == [False, True]
     assert told in found.stderr

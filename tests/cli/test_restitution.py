@@ -38,5 +38,5 @@ def test_a_mean_that_a_cycle_ends_says_so(run: Run) -> None:
     (one,) = vibro.attractors(scene)
     assert vibro.solve(scene).status == vibro.Status.AVERAGED
     told = run("solve", *HOPS, "--restitution", "0.5").stdout.splitlines()
-    speeds = f"100 % {1e3 * one.mean_velocity:.3g} mm/s (released at phase 0: "
+    speeds = f"100 % {1e3 * one.mean_velocity:.3g} mm/s (released at the start of a cycle: "
     assert told[0].startswith(f"of parts laid down at random: {speeds}")

@@ -85,9 +85,7 @@ def test_lists_and_files_stand_below_each_other(run: Run) -> None:
 def test_several_motions_are_noted_below_lists_and_what_is_found(run: Run) -> None:
     drive = ("-f", "15", "-a", "40.3")
     pair = (*drive, "--mu-s", ".458", "--mu-d", ".043")
-    note = (
-        "several motions exist {}; speeds are those of a part released at phase 0: solve of one scene, or map"
-    )
+    note = "several motions exist {}; speeds are those of a part released at the start of a cycle: solve"
     told = {
         "in 2 of 3 scenes": ("-A", "0.5,1.4,1.65", *pair),
         "at some of these amplitudes": ("--speed", "100", *pair),

@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias
 
+from vibro.core.codes import PHASE_NAMES
 from vibro.errors import printable
 from vibro.quantities import DEFAULTS, LISTED_HARMONICS, MACHINE, QUANTITIES
 from vibro.reals import rounded
@@ -252,6 +253,11 @@ def given_text(given: Mapping[str, float]) -> str:
         for name, value in given.items()
         if value != DEFAULTS.get(name) and is_listed(name)
     )
+
+
+def letters(pattern: str) -> str:
+    """Say what the letters of a pattern stand for, each once: ``F forward slide, _ rest``."""
+    return ", ".join(f"{kind} {PHASE_NAMES[kind]}" for kind in dict.fromkeys(pattern) if kind in PHASE_NAMES)
 
 
 def is_listed(name: str) -> bool:

@@ -43,7 +43,7 @@ _BEYOND: Final[Mapping[str, str]] = {
 }
 _OTHER_HOPS: Final = "parts hop otherwise, and too slowly"  # where they hop within the window too
 _PROOFS: Final[Mapping[str, str]] = {
-    "corners": "the slowest part is at the ends of all bands, along which speeds are monotone",
+    "corners": "the slowest part is at the ends of all bands, along which speed only rises, or only falls",
     "proved": "boxes that cover all parts show that none is slower",
     "searched": "nothing is proved: the slowest part that was found; another part may be slower",
     "sampled": "parts hop: the slowest of sampled parts; another part may be slower",
@@ -71,6 +71,7 @@ _IS_UPPER: Final = {
 _ASSUMED: Final = (
     "restitution: none is given, so parts that hop are computed over 0 to 0.5; give your own band in [scene]"
 )
+_NOMINAL: Final = "nominal: of the part in the middle of all bands"
 _FILLED: Final = (
     "filling: speeds hold from the least to the most amplitude; that no voltage and filling makes others, and"
     " that the goal is kept with the second harmonic, is sampled, not proved"
@@ -229,7 +230,7 @@ def _designs(spec: Spec, result: DesignResult) -> Iterator[Table]:
         quantities = [given.quantity for given in drive.inputs.values()]
         settings = {quantity.column: quantity.label for quantity in quantities}
         yield _table(title, {**settings, **_USUAL}, found)
-        yield _table(f"{drive.name}, other numbers", _RARE, found, is_rare=True)
+        yield _table(f"{drive.name}, other numbers ({_NOMINAL})", _RARE, found, is_rare=True)
 
 
 def _choices(drive: Drive) -> str:
@@ -285,8 +286,8 @@ def _cell(column: str, value: Value) -> Value:
 
 def _loads(chosen: Chosen) -> Table:
     """Tell where regimes begin: above 1 they have."""
-    columns = [("begins", ""), ("load over its load", "")]
-    return Table("loads", columns, [*chosen.loads.items()], "Above 1 it has begun", is_rare=True)
+    title = "Acceleration over that at which it begins: above 1 it has begun"
+    return Table("loads", [("begins", ""), ("ratio", "")], [*chosen.loads.items()], title, is_rare=True)
 
 
 def _costs(chosen: Chosen) -> Table:
@@ -300,7 +301,9 @@ def _costs(chosen: Chosen) -> Table:
     ]
     columns = [("input", ""), ("nominal speed", "%")]
     bounces = ", restitution by 0.01" * ("restitution" in chosen.costs)
-    return Table("costs", columns, rows, f"Each input 1 % larger, angles by 1 deg{bounces}", is_rare=True)
+    return Table(
+        "costs", columns, rows, f"Each input 1 % larger, angles by 1 deg{bounces} ({_NOMINAL})", is_rare=True
+    )
 
 
 def _notes(spec: Spec, result: DesignResult) -> list[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any, Final
 
-from vibro.answers.answer import Answer, Fact, Table, shown
+from vibro.answers.answer import Answer, Fact, Table, letters, shown
 from vibro.core.codes import PHASE_NAMES, Regime, Status
 from vibro.results.history import phase_table, with_chains
 from vibro.steady import solve
@@ -69,7 +69,8 @@ def _settles(history: History) -> str:
         if len(again) == len(pattern) and pattern in 2 * again:
             pattern = again  # the same cycle from another phase on
         advance = shown(float(LENGTH.from_si(history.cycle_displacement)))
-        return f"at {shown(1e3 * history.settles_at)} ms: the phases {pattern} repeat, {advance} mm a cycle"
+        at = shown(1e3 * history.settles_at)
+        return f"at {at} ms: the phases {pattern} ({letters(pattern)}) repeat, {advance} mm a cycle"
     if steady.regime == Regime.NO_SLIP and last.kind == "_":
         return f"at {shown(1e3 * last.start)} ms: the body rests"
     if steady.status not in (Status.OK, Status.BOUNDARY):

@@ -277,7 +277,7 @@ def _notes(sheet: Sheet) -> list[str]:
 
 
 def _changes(sheet: Sheet) -> Table:
-    rows = [["nominal", *_both(sheet.record["settings"][-1])]]
+    rows = [["as set", *_both(sheet.record["settings"][-1])]]
     for change in sheet.record["changes"]:
         name, value = change["changed"], change["value"]
         more = 100.0 * (value / sheet.record["scene"][name] - 1.0)

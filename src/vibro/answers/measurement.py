@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.answers.answer import Answer, Fact, Table, given_text, number, shown, uncertain
+from vibro.answers.answer import Answer, Fact, Table, given_text, letters, number, shown, uncertain
 from vibro.errors import printable
 from vibro.files.csv_tables import columns_of
 from vibro.files.motions import harmonic_lists
@@ -98,11 +98,12 @@ def measurement_answer(m: Measurement, data: Path, request: Request) -> Answer:
         figures = _figures(m, m.comparison)
         taken = {n: x for n, x in request.given_values.items() if m.trough is None or n not in MEASURED}
         scene = ": ".join(filter(None, (printable(request.name or ""), given_text(taken))))
-        facts.append(Fact("scene", f"{scene}, pattern {m.comparison.motion.pattern}"))
+        pattern = m.comparison.motion.pattern
+        facts += [Fact("scene", scene), Fact("pattern", pattern, note=f"computed: {letters(pattern)}")]
         tables += [_figure_table(figures, is_rare=is_rare) for is_rare in (False, True)]
         record |= {
             "absolute": m.comparison.recorded.absolute,
-            "pattern": m.comparison.motion.pattern,
+            "pattern": pattern,
             "trough_time_at_zero_s": m.comparison.alignment.shift,
             "trough_time_error_s": m.comparison.alignment.error,
             "figures": {figure["quantity"]: {key: figure[key] for key in _RECORDED} for figure in figures},

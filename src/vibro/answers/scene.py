@@ -19,6 +19,7 @@ from vibro.answers.answer import (
     given_text,
     is_listed,
     label_of,
+    letters,
     shown,
     uncertain,
 )
@@ -53,7 +54,7 @@ _MOST_PHASES: Final = 40  # a longer table is not readable
 _LEAST_CERTAIN: Final = 1.0 / 3.0  # standard error over the size of a mean whose sign is not in doubt
 _STANDS: Final[dict[Any, str]] = {True: "yes", False: "no", -1: "unknown"}  # in records None is unknown
 _SEVERAL: Final = (
-    "several motions exist {where}; speeds are those of a part released at phase 0:"
+    "several motions exist {where}; speeds are those of a part released at the start of a cycle:"
     " solve of one scene, or map --starts 16, tells the shares"
 )
 # What tables of several scenes have where it was asked for.
@@ -105,7 +106,7 @@ _SAYS: Final = {
     "share of others": "{share} % otherwise",
     "within": "{share} % within {time} s",
     "fewer": "fewer than {share} % arrive",
-    "released": "released at phase 0: {speed}",
+    "released": "released at the start of a cycle: {speed}",
     "may run away": "a part pushed downhill runs away: the slope exceeds kinetic friction",
     "may settle elsewhere": "a disturbed part can settle into another steady motion than one from rest",
 }
@@ -554,12 +555,12 @@ def _fact(one: OneScene, column: Column, *, is_rare: bool = True) -> Fact:
 
 
 def _rare(one: OneScene) -> list[Fact]:
-    given = dict(one.given)
+    given, pattern = dict(one.given), str(one.cycle.pattern)
     if OPERATING in one.block.values:  # from which the amplitude follows
         del given["amplitude"]
     return [
         _known("scene", scene_text(one.scene, given), is_rare=True),
-        _known("pattern", str(one.cycle.pattern) or None, is_rare=True),
+        _known("pattern", pattern or None, letters(pattern), is_rare=True),
         _fact(one, WITH_STROKE),
         _fact(one, WITH_ACCELERATION),
     ]

@@ -141,7 +141,7 @@ def map_command(
         console.echo(target.text(tally.peaks.get("fastest")))
     if minorities:
         share = f"{count(minorities)} of {count(grid.size)} cells"
-        console.echo(f"in {share} most parts move otherwise than the one released at phase 0")
+        console.echo(f"in {share} most parts move otherwise than the one released at the start of a cycle")
     _tell_doubts(grid, tally, bends, console)
     return code
 

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from vibro.tables.xlsx import Xlsx
 
 _ROWS_OF_A_SHEET: Final = 1_048_576
+_BACK_SLIP: Final = "  (also slides back; advances unless the speed is negative)"
 _CELL: Final = 12  # [B] on average with its separator: numbers that vary have up to 19
 
 
@@ -224,7 +225,8 @@ def conclude(tally: Tally, grid: Grid, console: Console) -> int:
     if size > 1:
         for regime in Regime:
             if tally.regime[regime]:
-                console.echo(f"{regime.label or NO_REGIME:>12} {tally.regime[regime] / size:7.1%}")
+                note = _BACK_SLIP if regime is Regime.BACK_SLIP else ""
+                console.echo(f"{regime.label or NO_REGIME:>12} {tally.regime[regime] / size:7.1%}{note}")
         if tally.regime[Regime.HOPPING] and grid.flight and grid.fixed.get("restitution") == 0.0:
             console.echo(f"{NO_BOUNCE}; --restitution changes that")
         tell_peaks(tally, grid, console)

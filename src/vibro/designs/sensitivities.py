@@ -45,8 +45,8 @@ def speed_costs(scene: Scene) -> dict[str, float | str]:
     Returns
     -------
     dict of str to float or str
-        ``amplitude``, ``frequency``, ``drive_angle``, ``static_friction``, ``kinetic_friction``: change for
-        1 % more of it, d ln v / d ln x; elliptical drives have ``along_amplitude`` and ``normal_amplitude``
+        ``amplitude``, ``frequency``, ``drive_angle``, ``static_friction``, ``kinetic_friction``: change in
+        per cent for 1 % more of it; elliptical drives have ``along_amplitude`` and ``normal_amplitude``
         instead of amplitude and drive angle, given motions ``motion_scale``. ``trough_angle_deg`` and
         ``normal_phase_deg``: change for 1 deg more, since 1 % of an angle near 0 is nothing; likewise
         ``restitution``, which bodies that hop have: for 0.01 more. Positive

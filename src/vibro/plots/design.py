@@ -333,7 +333,7 @@ def _speed_band(settings: Settings, band: SpeedBand) -> Figure:
     edge: dict[str, Any] = {"edgecolor": style.INK, "linewidth": 0.6}
     look = {"facecolor": _BAND, "zorder": 1, "label": "slowest to fastest part", **edge}
     axes.fill_between(band.amplitude, least, most, gid="band", **look)
-    for name, values, width in (("slowest part", least, 2.4), ("nominal speed", band.speed_nominal, 1.0)):
+    for name, values, width in (("slowest part", least, 2.4), ("middle part", band.speed_nominal, 1.0)):
         axes.plot(band.amplitude, values, gid=name, label=name, zorder=3, color=style.INK, linewidth=width)
     frame.draw_wanted(axes, settings.goal, f"goal {style.number_text(settings.goal)} mm/s")
     if band.window is not None:

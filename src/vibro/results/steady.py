@@ -168,7 +168,8 @@ class SteadyCycle(Shown):
     )
     share: Floats = _result(
         "share",
-        "share of parts, laid down at rest at any moment, that move as one released at phase 0",
+        "share of parts, laid down at rest at any moment, that move as one released at the start of a cycle"
+        " (phase 0)",
         of_starts=True,
     )
     mean_velocity_over_starts: Floats = _result(
@@ -315,7 +316,7 @@ TRAVERSE_TIME: Final = Result(
 ARRIVAL_TIME: Final = Result(
     name="arrival_time",
     column="arrival_time_s",
-    meaning="time from rest at trough phase 0 until the body has moved a length $L$",
+    meaning="time from rest at the start of a cycle (phase 0) until the body has moved a length $L$",
     kind=TIME,
 )
 STROKES: Final = Result(

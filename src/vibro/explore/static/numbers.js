@@ -248,11 +248,12 @@ function bentSpeed(/** @type {Solved} */ { engine, drive, operated }) {
 }
 
 function rareFacts(/** @type {Solved} */ one) {
-  const { texts: { facts }, drive, values } = one;
+  const { texts: { facts, phases: names }, drive, values, pattern } = one;
+  const letters = [...new Set(pattern)].filter((kind) => kind in names).map((kind) => `${kind} ${names[kind]}`);
   const stroke = "amplitude" in values ? 2.0 * values.amplitude : MILLI * strokeOf(drive);
   return [
     factOf(one, facts.scene, sceneText(one)),
-    factOf(one, facts.pattern, one.pattern || null),
+    factOf(one, facts.pattern, pattern || null, letters.join(", ")),
     factOf(one, facts.stroke, stroke),
     factOf(one, facts.acceleration, one.isLost ? NaN : loadOf(drive)),
   ];
