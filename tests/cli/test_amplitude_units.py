@@ -46,17 +46,6 @@ def test_the_amplitude_follows_from_any_unit(value: float, frequency: float, uni
     assert float(vars(request.scene())["amplitude"]) == pytest.approx(wanted, rel=1e-15, abs=0.0)
 
 
-def test_a_file_with_a_column_of_maps_as_key_is_told_what_to_write(run: Run) -> None:
-    rest = "frequency_hz = 20\n" + "".join(f"{key} = {value}\n" for key, value in NUT.items())
-    for key, text in {"acceleration_g": "1.5g", "amplitude_g": "1.5g", "drive_speed_mm_s": "1.5mm/s"}.items():
-        Path("scene.toml").write_text(f"[scene]\n{key} = 4\n{rest}", encoding="utf-8")
-        result = run("solve", "scene.toml")
-        assert result.exit_code == 2
-        assert f'write amplitude_mm = "{text}", with your number' in result.stderr
-        Path("scene.toml").write_text(f'[scene]\namplitude_mm = "{text}"\n{rest}', encoding="utf-8")
-        assert run("solve", "scene.toml").exit_code == 0
-
-
 def test_a_stroke_in_g_is_the_amplitude_of_half_of_it(run: Run) -> None:
     """20 Hz with 4 g from peak to peak: A = 2 g / (2 pi 20 Hz)^2 = 1.24203 mm."""
     amplitude = 1e3 * 2 * G / (2 * math.pi * 20) ** 2

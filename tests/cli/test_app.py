@@ -95,25 +95,9 @@ def test_an_interrupted_run_is_exit_code_130(run: Run, monkeypatch: pytest.Monke
     assert (result.exit_code, list(Path().iterdir())) == (130, [])
 
 
-def test_existing_files_are_known_before_computing(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    Path("nut-speed.png").touch()
-    monkeypatch.setattr("vibro.tables.sinks.sweep_blocks", None)
-    result = run(*SMALL, "-o", "nut")
-    assert result.exit_code == 1
-    assert [path.name for path in Path().iterdir()] == ["nut-speed.png"]
-
-
 def test_quiet_prints_errors_alone(run: Run) -> None:
     assert run(*TABLE, "-o", "nut", "-q").stderr == ""
     assert run(*TABLE, "-o", "nut", "-q").stderr.startswith("error: nut.csv")
-
-
-def test_csv_with_decimal_commas(run: Run) -> None:
-    assert run(*TABLE, "-o", "nut", "--decimal-comma", "-q").exit_code == 0
-    content = Path("nut.csv").read_bytes()
-    assert content.startswith(b"amplitude_mm;frequency_hz;")
-    assert b"\n0,5;10;20;0,74;0,57;0;no-slip;" in content
-    assert b"\r" not in content
 
 
 @POSIX

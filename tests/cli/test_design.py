@@ -153,12 +153,3 @@ def test_the_page(met: bool, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     assert any('amplitude_mm = "at most 0.8"' in cell for row in read.rows for cell in row)
     assert "i" not in read.tags
     assert read.tags.count("figure") == 2
-
-
-@pytest.mark.parametrize(("typed", "digits"), [((), 4), (("--digits", 9), 9), (("--digits", 15), 15)])
-def test_the_digits_of_settings(
-    typed: tuple[Any, ...], digits: int, ask: Callable[..., Any], run: Run, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    asked = found(monkeypatch, answer(met=True))
-    assert run("design", "nut.toml", *typed).exit_code == 0
-    assert [(call.digits, call.goal_only) for call in asked] == [(digits, True)]

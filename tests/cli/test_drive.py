@@ -101,23 +101,6 @@ def test_files(run: Run, tmp_path: Path) -> None:
     assert rows_of(table.stdout) == rows
 
 
-def test_machines_side_by_side_have_the_numbers_of_their_sheets(run: Run, tmp_path: Path) -> None:
-    paths = [
-        written(tmp_path, feeder(ratio, BANDS), name) for ratio, name in ((0.9, "below"), (1.05, "above"))
-    ]
-    alone = [json.loads(run("drive", path, "--json").stdout) for path in paths]
-    result = run("drive", *paths, "--json", "-o", "both.csv")
-    assert result.exit_code == 0, result.stderr
-    both = json.loads(result.stdout)["machines"]
-    assert [one.pop("name") for one in both] == ["below", "above"]
-    assert [one["settings"] for one in both] == [one["settings"] for one in alone]
-    rows = rows_of((tmp_path / "both.csv").read_text(encoding="utf-8"))
-    assert {row["machine"] for row in rows} == {"below", "above"}
-    lines = [line.split() for line in run("drive", *paths).stdout.splitlines()]
-    assert lines[0] == ["machine", "below", "above"]
-    assert ["f/f0", "0.9", "1.05"] in lines
-
-
 POINTS = """f [Hz];stroke [mm]
 48,0;0,330
 50,0;0,508

@@ -79,16 +79,6 @@ def test_without_a_scene_it_begins_with_the_nut(run: Run, opened: list[Path]) ->
     assert (scene["name"], scene["state"]["drive"]) == ("", "line")
 
 
-def test_several_scenes_are_tabs_and_options_change_each(run: Run, opened: list[Path]) -> None:
-    other = str(EXAMPLES / "climbing_track.toml")
-    result = run("explore", SCENE, other, "--mu-s", "0.8")
-    assert result.exit_code == 0
-    assert opened[0].name == "vibro-safety_nut-climbing_track.html"
-    scenes = scenes_of(opened[0].read_text(encoding="utf-8"))
-    assert [scene["name"] for scene in scenes] == ["safety_nut", "climbing_track"]
-    assert [scene["state"]["static_friction"] for scene in scenes] == ["0.8", "0.8"]
-
-
 def test_a_page_is_kept_where_o_says(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(webbrowser, "open", None)  # nothing is opened
     monkeypatch.setenv("BROWSER", "firefox")

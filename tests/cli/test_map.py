@@ -61,24 +61,6 @@ def test_json_is_the_sidecar_on_stdout(run: Run) -> None:
 HOPS = ("map", "-A", "0.5:6:3", "-f", "15:25:2", *NUT_ANGLE_AND_FRICTION, "-o", "hop")
 
 
-CLIMB = ("map", "-A", "1:3:5", "--trough-angle", "0:20:3", "-f", "15", *NUT_ANGLE_AND_FRICTION)
-
-
-@pytest.mark.usefixtures("unsaved")
-def test_the_fastest_cells_are_told_and_kept(run: Run) -> None:
-    result = run(*CLIMB, "-o", "-")
-    rows = [row for row in rows_of(result.stdout) if row["mean_velocity_mm_s"]]
-    rows.sort(key=lambda row: float(row["mean_velocity_mm_s"]))
-    told = result.stderr.splitlines()[-2:]
-    assert run(*CLIMB, "-o", "wide.parquet").exit_code == 0
-    assert run("map", "wide.parquet", "-o", "again").stderr.splitlines()[-2:] == told
-    for sidecar in ("wide.parquet/_SUCCESS", "again.json"):
-        peaks = json.loads(Path(sidecar).read_text(encoding="utf-8"))["peaks"]
-        assert [repr(peak["mean_velocity_mm_s"]) for peak in peaks.values()] == [
-            row["mean_velocity_mm_s"] for row in (rows[-1], rows[0])
-        ]
-
-
 def test_pictures_of_flight_on_request(run: Run) -> None:
     from PIL import Image
 

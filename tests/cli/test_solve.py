@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.cases import each
 from helpers.commands import ELLIPSE, NUT, Run, other, rows_of
 
 from vibro import Scene, Status, SteadyCycle, solve
@@ -97,22 +96,3 @@ def test_several_motions_are_noted_below_lists_and_what_is_found(run: Run) -> No
         assert found.stdout.count(note.format(where)) == 1
     for one in (("-A", "1,2", *NUT[2:]), ("--speed", "20", *NUT[2:]), ("--speed", "16.3", *NUT[:-4])):
         assert "several motions" not in run("solve", *one).stdout
-
-
-@each(
-    ("args", "upright", "ratio"),
-    [
-        (("--stand-ratio", "0.74"), 1, 0.0),
-        (("--stand-ratio", ".6"), 0, 1.72779),
-        (("--stand-ratio", ".6", "-A", ".5"), 1, 0.863896),
-        (("--stand-ratio", ".7", "--trough-angle", "36"), 0, None),
-        (("--stand-ratio", ".8", "-A", "4"), None, 0.0),
-        (("--stand-ratio", ".7", "--trough-angle", "40"), None, None),
-    ],
-)
-def test_a_part_stays_upright_or_does_not(
-    run: Run, args: tuple[str, ...], upright: int | None, ratio: float | None
-) -> None:
-    answer = json.loads(run("solve", *other(NUT, *args), "--json").stdout)
-    assert answer["upright"] == upright
-    assert answer["tipping_load_ratio"] == (None if ratio is None else pytest.approx(ratio, rel=1e-5))

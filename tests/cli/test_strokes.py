@@ -42,18 +42,6 @@ def test_the_strokes_that_reach_a_speed(run: Run, scene: Path) -> None:
     assert low == pytest.approx(2 * found["amplitude_low_mm"], rel=1e-5)
 
 
-def test_what_was_given_is_told_whichever_the_scene_file_has(run: Run, scene: Path) -> None:
-    told = run("solve", scene, "-A", "0.85", "--all").stdout
-    assert "amplitude 0.85 mm, " in told
-    assert "amplitude [mm]" in told
-    told = run("solve", scene, "--all").stdout
-    assert "stroke 1.7 mm, " in told
-    assert "stroke [mm]" in told
-    assert "stroke, 1 %" in told
-    assert "stroke, 10 %" in told
-    assert "amplitude" not in told
-
-
 def test_workbooks_are_in_strokes(run: Run, scene: Path, no_pictures: None) -> None:
     args = ("map", scene, "--stroke", "1:3:5", "-f", "10:30:5")
     result = run(*args, "-o", "book.xlsx")

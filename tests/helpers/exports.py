@@ -48,8 +48,6 @@ class Export(NamedTuple):
         Arguments behind the file.
     hint : str
         What the hint must say where this is refused; empty where it is measured.
-    then : tuple of str
-        Arguments by that hint, which are measured.
     """
 
     name: str
@@ -57,7 +55,6 @@ class Export(NamedTuple):
     content: bytes
     typed: tuple[str, ...]
     hint: str = ""
-    then: tuple[str, ...] = ()
 
 
 class Sampled(NamedTuple):

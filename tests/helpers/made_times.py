@@ -10,9 +10,6 @@ from engines.two_axis_walk import Body, NeverSettlesError
 
 LENGTH: Final = 0.6  # [m]
 GRAVITY: Final = 9.81
-#: What is unknown in a table: kinetic friction at a known ratio, both frictions, and with restitution, where
-#: half of the rows hop.
-KINDS: Final = ("ratio", "both", "hops")
 
 
 class Made(NamedTuple):
@@ -48,7 +45,11 @@ def walked_speed(
 
 
 def made_table(random: np.random.Generator, kind: str) -> Made:
-    """Draw a table of 5 to 9 rows, whose times have normal errors of 1 to 4 %; half state them."""
+    """Draw a table of 5 to 9 rows, whose times have normal errors of 1 to 4 %; half state them.
+
+    Unknown is kinetic friction at a known "ratio", "both" frictions, or of "hops" restitution too, where half
+    of the rows hop.
+    """
     while True:
         made = _made(random, kind)
         if made is not None:

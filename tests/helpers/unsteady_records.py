@@ -22,54 +22,48 @@ BAD = ("run-up", "stop", "start and stop", "drift", "beat", "sweep", "step", "sl
 
 
 class Made(NamedTuple):
-    """A record, its kind, and the motion in the middle of its steady running."""
+    """A record, its kind, and the amplitude in the middle of its steady running."""
 
     record: Record
     kind: str
-    frequency: float
     amplitude: float  # [m] of the line's motion; where it is not steady its largest
-    change: float  # relative to the largest amplitude, or of the phase in rad: how far it departs
-    clear: float  # root mean square of what departs over the noise in a component of it; 0 below 0.5 %
 
 
-def good_record(seed: int, kind: str = "") -> Made:
+def good_record(seed: int) -> Made:
     """Draw a record of steady running: 8 to 300 cycles of 5 to 60 Hz, 5 to 60 samples each."""
-    random = np.random.default_rng([seed, 17])
-    kind = kind or GOOD[seed % len(GOOD)]
-    return _made(random, kind, lambda time, motion: (np.ones(time.size), np.zeros(time.size), 0.0), least=8.0)
+    random, kind = np.random.default_rng([seed, 17]), GOOD[seed % len(GOOD)]
+    return _made(random, kind, lambda time, motion: (np.ones(time.size), np.zeros(time.size)), least=8.0)
 
 
-def bad_record(seed: int, kind: str = "", change: float | None = None) -> Made:
-    """Draw a record that is not steady, by 2 % to all of its amplitude, or by some turns of its phase."""
-    random = np.random.default_rng([seed, 23])
-    kind = kind or BAD[seed % len(BAD)]
-    size = float(10.0 ** random.uniform(-1.5, 0.0)) if change is None else change
+def bad_record(seed: int, kind: str) -> Made:
+    """Draw a record that is not steady, by half of its amplitude, or by some turns of its phase."""
+    random, size = np.random.default_rng([seed, 23]), 0.5
 
-    def departs(time: Floats, frequency: float) -> tuple[Floats, Floats, float]:
+    def departs(time: Floats, frequency: float) -> tuple[Floats, Floats]:
         u = (time - time[0]) / float(np.ptp(time))
         one, zero = np.ones(time.size), np.zeros(time.size)
         if kind == "run-up":
-            return 1.0 - size * np.exp(-u / random.uniform(0.03, 0.3)), zero, size
+            return 1.0 - size * np.exp(-u / random.uniform(0.03, 0.3)), zero
         if kind == "stop":
-            return 1.0 - size * np.exp(-(1.0 - u) / random.uniform(0.03, 0.3)), zero, size
+            return 1.0 - size * np.exp(-(1.0 - u) / random.uniform(0.03, 0.3)), zero
         if kind == "start and stop":
             start, stop = random.uniform(0.1, 0.4), random.uniform(0.6, 0.9)
-            return 1.0 - size * ((u < start) | (u > stop)), zero, size
+            return 1.0 - size * ((u < start) | (u > stop)), zero
         if kind == "drift":
-            return 1.0 - size * u, zero, size
+            return 1.0 - size * u, zero
         if kind == "beat":
             apart = random.uniform(2.0, 0.08 * frequency * float(np.ptp(time)) + 3.0)
             wave = 1.0 + 0.5 * size * np.exp(1j * (math.tau * apart * u + random.uniform(0.0, math.tau)))
-            return abs(wave), np.angle(wave), size
+            return abs(wave), np.angle(wave)
         if kind == "sweep":
             turns = size * 10.0  # from one end to the other: twice the least that matters, to many
-            return one, math.tau * turns * u * (u - 1.0), 0.5 * math.pi * turns
+            return one, math.tau * turns * u * (u - 1.0)
         if kind == "step":
-            return 1.0 - size * (u > random.uniform(0.2, 0.8)), zero, size
+            return 1.0 - size * (u > random.uniform(0.2, 0.8)), zero
         if kind == "slip":
-            return one, math.tau * size * 0.5 * (u > random.uniform(0.2, 0.8)), math.pi * size
+            return one, math.tau * size * 0.5 * (u > random.uniform(0.2, 0.8))
         turns = random.uniform(1.0, 5.0)
-        return 1.0 - size * (0.5 + 0.5 * np.sin(math.tau * turns * u)), zero, size
+        return 1.0 - size * (0.5 + 0.5 * np.sin(math.tau * turns * u)), zero
 
     return _made(random, kind, departs, least=24.0)
 
@@ -84,11 +78,7 @@ def _made(random: np.random.Generator, kind: str, departs: Any, least: float) ->
     amplitude = random.uniform(5.0, 40.0) / w**2
     angle = math.radians(random.uniform(10.0, 45.0))
     real = time + (random.normal(0.0, 0.02 / frequency, time.size) if kind == "jitter" else 0.0)
-    size, phase, change = departs(real, frequency)
-    level = phase - np.polyval(np.polyfit(time, phase, 1), time)
-    phase_rms = min(1.0, float(np.std(level)))
-    departure = math.hypot(float(np.std(size) / np.mean(size)), phase_rms)
-    departure *= math.hypot(float(np.std(size) / np.mean(size)), 0.5 * phase_rms**2) > 0.005
+    size, phase = departs(real, frequency)
     wave = -amplitude * w**2 * size * np.sin(w * real + phase + random.uniform(0.0, math.tau))
     if kind == "harmonics":
         for k in (2, 3):
@@ -117,8 +107,7 @@ def _made(random: np.random.Generator, kind: str, departs: Any, least: float) ->
         kept[[0, -1]] = True
         time, trough = time[kept], {name: values[kept] for name, values in trough.items()}
     record = Record(time + random.uniform(-5.0, 50.0), {}, trough, {name: name for name in trough})
-    clear = departure * amplitude * w**2 * math.sqrt(0.5 * time.size) / noise
-    return Made(record, kind, frequency, amplitude, change, clear)
+    return Made(record, kind, amplitude)
 
 
 def _filtered(values: Floats, weights: list[float]) -> Floats:

@@ -39,24 +39,6 @@ def waveform(step: float, **others: Any) -> dict[str, Any]:
     return {"wf_increment": step, "wf_start_offset": 0.0, "wf_samples": 1, "unit_string": "g", **others}
 
 
-def test_slower_channels_have_empty_cells(tmp_path: Path) -> None:
-    table = tdms(
-        tmp_path / "a.tdms",
-        ("A", "fast", FAST.along, waveform(1e-3)),
-        ("A", "slow", SLOW.along, waveform(4e-3)),
-        ("B", "slow", SLOW.normal, waveform(4e-3)),
-        ("B", "text", np.array(["steady"] * 3), {}),
-    )
-    assert [*table.names] == ["Time", "fast", "A/slow", "B/slow"]
-    assert [*table.units] == ["s", "g", "g", "g"]
-    time, fast, slow, other = table.columns
-    np.testing.assert_allclose(time, FAST.time, atol=1e-12)
-    np.testing.assert_array_equal(fast, FAST.along)
-    np.testing.assert_array_equal(slow[::4], SLOW.along)
-    np.testing.assert_array_equal(other[::4], SLOW.normal)
-    assert np.isnan(np.delete(slow, np.s_[::4])).all()
-
-
 def test_channels_that_begin_later_are_later(tmp_path: Path) -> None:
     began = np.datetime64("2031-01-02T10:00:00", "us")
     table = tdms(

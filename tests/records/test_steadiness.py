@@ -66,7 +66,7 @@ def test_steady_records_are_accepted_with_all_that_sensors_add() -> None:
 def test_records_that_are_not_steady_are_told_or_refused(kind: str) -> None:
     """By half of the amplitude, or some turns of the phase."""
     for seed in range(4):
-        made = bad_record(seed + 40, kind, change=0.5)
+        made = bad_record(seed + 40, kind)
         with suppress(InputError):  # its words: test_what_is_not_steady_is_named
             assert told(motion_of(made.record)), kind
 
