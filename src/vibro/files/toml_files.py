@@ -32,6 +32,9 @@ _OTHER_FILES: Final = {
 _COMMANDS: Final = {"scene": "solve", "design": "design"}
 _OF_DESIGNS: Final = {"drive", "goal"}  # tables
 _LINES: Final = 'lines are [TABLE], KEY = 0.8 or KEY = "TEXT", and what follows # is left alone'
+# Names before dots; each takes the parser the longer, the more stand before it.
+_DEEPEST: Final = 100
+_NO_NAMES: Final = re.compile(r"#.*|[=,{}\[\]\n]")
 _REASON: Final = 200  # characters of the parser's message
 
 
@@ -62,6 +65,8 @@ def read_toml(path: Path) -> dict[str, Any]:
         problem = f"{path}: not a text file in UTF-8"
         raise _other(path) or InputError(problem, hint="save it as UTF-8") from exc
     try:
+        if any(part.count(".") > _DEEPEST for part in _NO_NAMES.split(text)):
+            raise ValueError(f"more than {_DEEPEST} names between dots")
         return tomllib.loads(text)
     except (ValueError, RecursionError) as exc:  # ValueError: it is no TOML, or has thousands of digits
         comma, unit = _DECIMAL_COMMA.search(text), _UNQUOTED.search(text)

@@ -65,6 +65,8 @@ def read_channels(path: Path) -> Table | None:
 def _known(path: Path) -> tuple[str, Callable[[Path], Iterator[_Channel]]] | None:
     """Return the format of a file and its reader, by its first bytes; MAT of MATLAB 4 has none."""
     try:
+        if not path.is_file():  # what a pipe gives can be read once
+            return None
         with path.open("rb") as file:
             head = file.read(400)
     except (OSError, ValueError):

@@ -18,6 +18,7 @@ from vibro.core.codes import Output
 from vibro.errors import FileError, InputError, cut, shown
 from vibro.files.machines import machine_of
 from vibro.files.motions import motion_of
+from vibro.files.reading import opened
 from vibro.quantities import QUANTITIES
 from vibro.sweeps.columns import Table, table_columns
 from vibro.sweeps.derived import throughput
@@ -164,7 +165,8 @@ def read_plan(path: Path) -> Plan:
         If it is no manifest of a sweep, or was changed after it was written.
     """
     try:
-        text = path.read_bytes()
+        with opened(path) as stream:
+            text = stream.read()
         form = json.loads(text)["format"]
     except OSError as exc:
         raise FileError(f"cannot read {path}: {exc.strerror or exc}") from exc

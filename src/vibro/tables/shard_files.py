@@ -10,6 +10,7 @@ import numpy as np
 
 from vibro.errors import FileError
 from vibro.files.arrow_arrays import number_array, text_array
+from vibro.files.reading import opened
 from vibro.tables.plan import MANIFEST, SUCCESS, Plan, read_plan, shard_name
 from vibro.tables.shards import GO_ON, Summary, chunk_sum, damaged, footer_digest
 
@@ -134,11 +135,12 @@ def read_success(folder: Path, plan: Plan) -> Summary | None:
     """
     path = folder / SUCCESS
     try:
-        return Summary.read(path.read_bytes(), plan)
+        with opened(path) as stream:
+            return Summary.read(stream.read(), plan)
     except FileNotFoundError:
         return None
     except OSError as exc:
-        raise FileError(f"cannot read {path}: {exc.strerror or exc}") from exc
+        raise FileError(f"cannot read {path}: {exc.strerror or exc}", hint=f"remove it; {GO_ON}") from exc
     except Exception as exc:  # whatever a change may lead to
         raise damaged(path, str(exc)) from exc
 
@@ -151,7 +153,7 @@ def _rows(path: Path, made: Made, names: Sequence[str], rows: NDArray[np.intp], 
     groups, place = np.unique(group, return_inverse=True)
     try:
         # Opened here: Arrow gives names such as s3: or ~ a special meaning.
-        with path.open("rb") as stream:
+        with opened(path) as stream:
             if footer_digest(stream) != made.footer:
                 raise damaged(path, "its footer is not what was written")
             stream.seek(0)

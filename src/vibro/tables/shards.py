@@ -21,6 +21,7 @@ import numpy as np
 
 from vibro.core.compiled import asking
 from vibro.errors import FileError, VibroError, cut, how_to_install
+from vibro.files.reading import opened
 from vibro.interrupts import OnEnd
 from vibro.quantities import BY_COLUMN
 from vibro.results.sweep import Block
@@ -195,7 +196,7 @@ def _found(plan: Plan, path: Path, shard: int) -> Made | None:
 
     first, end = plan.range_of(shard)
     try:
-        with path.open("rb") as stream:
+        with opened(path) as stream:
             metadata = parquet.read_metadata(stream)
         record = unsealed((metadata.metadata or {}).get(_FOOTER, b"{}"))
         kept = [metadata.num_rows, *(record[key] for key in ("fingerprint", "first_cell", "cells"))]
