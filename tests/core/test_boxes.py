@@ -416,6 +416,13 @@ def test_boxes_are_divided_until_the_gap_is_closed(gap: float, least: float) -> 
         assert before.bound.min() < before.speed - gap * max(abs(before.speed), least)
 
 
+@given(solver_boxes())
+def test_no_body_that_is_met_is_slower_than_the_bounds(box: Box) -> None:
+    found = covered(box, 12)
+    if math.isfinite(found.speed):
+        assert found.bound.min() <= found.speed + 1e-14 * largest_speed(box)
+
+
 @pytest.mark.parametrize("name", BOXES)
 def test_compiled_and_plain_bounds_have_the_same_bits(name: str) -> None:
     box, most, found = BOXES[name], 60, []
@@ -476,6 +483,19 @@ def test_bodies_stay_within_their_bands_and_only_get_slower(generations: int) ->
     assert speeds[best] == speeds.min()
     assert np.array_equal(speeds, [speed_at(LINE_BOX, x, 0) for x in after])
     assert np.array_equal(after, points[:-1]) is (generations == 0)
+
+
+def test_bodies_that_hop_are_passed_over() -> None:
+    box = box_of(LOW, [4.0, *HIGH[1:]])
+    points = first(box)
+    points[0, 0] = 4.0
+    assert math.isnan(speed_at(box, points[0], 0))
+    best, after, speeds = evolved(box, points, 60)
+    assert math.isfinite(speeds[best])
+    assert not math.isnan(speeds.sum())
+    best, _, speeds = evolved(box_of([3.5, *LOW[1:]], [4.0, *HIGH[1:]]), first(box) + 2.5, 3)
+    assert np.all(np.isinf(speeds))
+    assert len(after) == SIZE
 
 
 @pytest.mark.parametrize("box", [LINE_BOX, OVAL, LINE_BOX._replace(way=-1.0)])
