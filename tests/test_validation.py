@@ -14,7 +14,6 @@ from validation import (
     MM,
     PAGE_FRICTION,
     SCRIPT_FRICTION,
-    STATIC_FRICTION,
     VARIANTS,
     Run,
     Trial,
@@ -22,7 +21,6 @@ from validation import (
     compare_table,
     computed_advances,
     computed_speeds,
-    fine,
     known_runs,
     misses,
     read_table,
@@ -44,17 +42,12 @@ MEASURED = np.array([run.speed for run in RUNS])
 
 
 def row(trial: Trial) -> str:
-    velocity, holds = fine(trial.finger), STATIC_FRICTION * trial.force
-    acceleration = np.diff(velocity) / trial.period * (velocity.size - 1) / GRAVITY
     less, computed, more = computed_advances(trial) / MM
     error = f" ± {trial.error / MM:.3f}" if trial.cycles > 1 else ""
     cells = (
         trial.number,
         f"{1.0 / trial.period:.1f}",
         f"{trial.force:.1f}",
-        trial.cycles,
-        f"{acceleration.min():.1f} to {acceleration.max():.1f}",
-        f"{-holds - 1.0:.1f}, {holds - 1.0:.1f}",
         f"{trial.advance / MM:.3f}{error}",
         *(f"{advance:.3f}" for advance in (computed, less, more)),
     )
@@ -138,8 +131,8 @@ def variant_rows() -> list[str]:
         runs = repeating(RUNS) if repeats else RUNS
         finger = "as parts repeat" if repeats else "as commanded"
         for name, formula in (("solver", computed_speeds), ("closed form", closed_form)):
-            median, absolute, rms, wrong, rest = misses(formula(runs, friction), MEASURED)
-            numbers = f"{median:+.1f} % | {absolute:.1f} % | {rms:.1f} | {wrong} | {rest}"
+            median, absolute, _, wrong, rest = misses(formula(runs, friction), MEASURED)
+            numbers = f"{median:+.1f} % | {absolute:.1f} % | {wrong} | {rest}"
             rows.append(f"| {friction[0]}, {friction[1]} | {finger} | {name} | {numbers} |")
     return rows
 

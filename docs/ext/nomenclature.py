@@ -85,7 +85,6 @@ ELSEWHERE = (
     TIPPING_LOAD_RATIO,
 )
 """Results that are no attributes of ``SteadyCycle``."""
-HEADER = "| column, name in Python | meaning | symbol |"
 NOMINAL = {ACCELERATION.column, *(q.column for q in QUANTITIES.values())}
 """Columns that designs have like other tables."""
 INPUTS = """\
@@ -120,10 +119,8 @@ SYNONYMS = {
 """What others write for the same, by column."""
 
 
-def _row(symbol: str, name: str, column: str, *meaning: str) -> str:
-    shown = f"${symbol}$" if symbol else "-"
-    names = f"`{column}`<br>`{name}`" if name else f"`{column}`"
-    return f"| {' | '.join((names, *meaning, shown))} |"
+def _names(column: str, name: str) -> str:
+    return f"`{column}`<br>`{name}`" if name else f"`{column}`"
 
 
 def _units() -> list[str]:
@@ -144,7 +141,8 @@ def _result(result: Result) -> str:
         name = ""
     elif result in (*MACHINE_RESULTS, BENT_SPEED):
         name = f"OperatingPoints.{result.name}"
-    return _row(result.symbol, name, result.column, result.meaning)
+    symbol = f"${result.symbol}$, " if result.symbol else ""
+    return f"| {_names(result.column, name)} | {symbol}{result.meaning} |"
 
 
 def _shared(columns: Iterable[tuple[str, str]]) -> list[str]:
@@ -168,7 +166,7 @@ def _inputs() -> list[str]:
     keys = {key for table in SCENE_FILE.tables.values() for key in table.entries}
     explained = [f"- `{q.column}`: {q.meaning}." for q in inputs if q.column not in keys]
     fields = {q.column: f"Scene.{FIELDS.get(q.name, q.name)}" for q in inputs if q.name in SCENE}
-    rows = [_row(q.symbol, fields.get(q.column, ""), q.column) for q in inputs]
+    rows = [f"| {_names(q.column, fields.get(q.column, ''))} | ${q.symbol}$ |" for q in inputs]
     head = ["| column, name in Python | symbol |", "|---|---|"]
     return [INPUTS + "\n".join(explained), "", *head, *rows, "| `Scene.motion` | - |"]
 
@@ -182,7 +180,7 @@ def _columns() -> list[list[str]]:
     results += [_result(result) for result in (*ELSEWHERE, *MACHINE_RESULTS, BENT_SPEED)]
     designs = _shared((c.name, c.meaning) for c in DESIGN_COLUMNS if c.name not in NOMINAL)
     weighed = _shared((r.column, r.meaning) for r in WEIGHED if r not in MACHINE_RESULTS)
-    head = [HEADER, "|---|---|---|"]
+    head = ["| column, name in Python | symbol and meaning |", "|---|---|"]
     others = [f"| `{column}` | {words} |" for column, words in SYNONYMS.items()]
     plain = ["| column | meaning |", "|---|---|"]
     return [
