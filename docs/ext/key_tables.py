@@ -12,7 +12,7 @@ from vibro.files.entries import Entry
 
 REFERENCE = Path(__file__).parents[1] / "reference"
 PAGES = {"scene-files.md": SCENE_FILE, "design-files.md": DESIGN_FILE}
-HEAD = "| key | what | value | where it is left out |\n|---|---|---|---|\n"
+HEAD = "| key | what | value |\n|---|---|---|\n"
 OF_MAP = "Keys of `[scene]` but lists, and `[machine]`'s bands: each a number, a list or an axis.\n"
 SHARED = """
 A machine has the other keys of `[machine]`, and a given motion those of `[motion]`, as in
@@ -34,11 +34,14 @@ def _range(entry: Entry) -> str:
     return "0 or more"
 
 
-def _cells(entry: Entry) -> tuple[str, str, str]:
-    """Return what a key means, its value, and what stands for it."""
+def _cells(entry: Entry) -> tuple[str, str]:
+    """Return what a key means, and its value with what stands for it where it is left out."""
     form, span = entry.form.says, _range(entry)
     value = span if form == "number" else f"{form}{f', {span}' if span else ''}"
-    return entry.quantity.meaning, value, entry.usual
+    usual = entry.usual
+    if usual and not usual.startswith(("needed", "no")):
+        usual = f"default {usual}"
+    return entry.quantity.meaning, "; ".join(filter(None, (value, usual)))
 
 
 def _rows(entries: dict[str, Entry]) -> list[str]:
