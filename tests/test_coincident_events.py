@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -34,125 +32,6 @@ def phases(drive: Scene, cycles: float) -> list[tuple[str, float]]:
     return [(phase.kind[0], phase.start) for phase in vibro.simulate(drive, cycles=cycles).phases]
 
 
-class Solved(NamedTuple):
-    """A drive, and the displacement in a cycle and the period that were found by hand."""
-
-    drive: Scene
-    displacement: float
-    period: int
-
-
-SOLVED = {
-    # it stops where |F| = mu_s N = mu_d N
-    "friction bears it": Solved(
-        scene(
-            [(0.625, -8.0), (0.125, 4.0), (0.125, 6.0), (0.125, 30.0)],
-            [(0.5, -4.0), (0.5, 4.0)],
-            0.5,
-            0.5,
-        ),
-        -0.24708333333333332,
-        1,
-    ),
-    # |F| = mu_s N > mu_d N in the last eighth
-    "static friction bears it": Solved(
-        scene(
-            [(0.125, 8.0), (0.25, 8.0), (0.375, -2.0), (0.25, -9.0)],
-            [(0.875, -4.0), (0.125, 28.0)],
-            0.25,
-            0.125,
-        ),
-        -1.5839120370370372,
-        1,
-    ),
-    # N = 0 on the first step: a slide without friction, then one flight
-    "no load": Solved(
-        scene(
-            [(0.5, -8.0), (0.5, 8.0)],
-            [(0.5, -8.0), (0.375, -24.0), (0.125, 104.0)],
-            0.5,
-            0.25,
-        ),
-        1.0,
-        1,
-    ),
-    "no load for an eighth": Solved(
-        scene(
-            [(0.5, 4.0), (0.5, -4.0)],
-            [(0.125, -8.0), (0.625, -12.0), (0.125, 12.0), (0.125, 56.0)],
-            0.125,
-            0.0625,
-        ),
-        -0.78125,
-        1,
-    ),
-    # the slide stops where N jumps below 0
-    "stop at a lift-off": Solved(
-        scene(
-            [(0.25, 6.0), (0.75, -2.0)],
-            [(0.5, 0.0), (0.25, -16.0), (0.25, 16.0)],
-            0.3,
-            0.25,
-            10.0,
-        ),
-        0.0,
-        1,
-    ),
-    # it lands at phase 0, where N jumps below 0
-    "landing at a lift-off": Solved(
-        scene(
-            [(0.75, -8.0), (0.25, 24.0)],
-            [(0.5, -16.0), (0.5, 16.0)],
-            0.25,
-            0.125,
-        ),
-        3.0,
-        1,
-    ),
-    # it lands without speed where N jumps above 0
-    "landing without speed": Solved(
-        scene(
-            [(0.25, 8.0), (0.375, -8.0), (0.25, -2.0), (0.125, 12.0)],
-            [(0.5, -24.0), (0.5, 24.0)],
-            0.125,
-            0.125,
-        ),
-        -1.0625,
-        2,
-    ),
-    # in flight the height does not change while N = 0
-    "level flight": Solved(
-        scene(
-            [(0.375, -4.0), (0.25, -2.0), (0.125, -6.0), (0.25, 11.0)],
-            [(0.125, -8.0), (0.25, 0.0), (0.25, 16.0), (0.125, -16.0), (0.25, -4.0)],
-            0.125,
-            0.0625,
-        ),
-        -0.5943080357142857,
-        1,
-    ),
-}
-
-
-@pytest.mark.parametrize("name", SOLVED)
-def test_the_steady_cycle_is_that_solved_by_hand(name: str) -> None:
-    drive, displacement, period = SOLVED[name]
-    found = vibro.solve(drive)
-    # kinetic friction would not hold it: then rounding might let it slip
-    assert found.status == (Status.BOUNDARY if name == "static friction bears it" else Status.OK)
-    assert found.period_cycles == period
-    assert found.displacement_per_cycle == pytest.approx(displacement, rel=0.0, abs=1e-13)
-
-
-@pytest.mark.parametrize("name", SOLVED)
-def test_a_history_comes_to_the_steady_cycle(name: str) -> None:
-    drive, displacement, period = SOLVED[name]
-    history = vibro.simulate(drive, cycles=40)
-    early, late = history.sample(np.array([40.0 - 4 * period, 40.0]) / drive.frequency).position
-    assert late - early == pytest.approx(4 * period * displacement, rel=0.0, abs=1e-12)
-    assert all(one.end == other.start for one, other in pairwise(history.phases))
-
-
 def test_friction_holds_a_body_that_stops_at_its_limit() -> None:
     """It coasts to rest at 0.75, where F = mu_d N = mu_s N begins, and stays until 1."""
     drive = scene([(0.375, 2.0), (0.25, -2.0), (0.125, 0.0), (0.25, -1.0)], None, 0.125, 0.125)
@@ -160,6 +39,14 @@ def test_friction_holds_a_body_that_stops_at_its_limit() -> None:
     assert [kind for kind, _ in found] == list("BF_BF_BF_")
     assert [start for _, start in found[3:6]] == pytest.approx([1.0, 1.5, 1.75], abs=1e-14)
     assert sorted(vibro.solve(drive).pattern) == ["B", "F", "_"]
+
+
+def test_where_static_friction_alone_bears_a_body_that_stops_rounding_decides() -> None:
+    """In the last eighth |F| = mu_s N > mu_d N: kinetic friction would let it slip."""
+    along = [(0.125, 8.0), (0.25, 8.0), (0.375, -2.0), (0.25, -9.0)]
+    found = vibro.solve(scene(along, [(0.875, -4.0), (0.125, 28.0)], 0.25, 0.125))
+    assert found.status == Status.BOUNDARY
+    assert found.displacement_per_cycle == pytest.approx(-1.5839120370370372, abs=1e-13)
 
 
 def test_an_arrival_counts_the_cycles_of_landings_at_phase_0() -> None:

@@ -157,26 +157,6 @@ def test_a_slip_stick_conveyor_of_steps() -> None:
         assert t.amplitude == pytest.approx(float(conveyor().reach) * t.scales[0], rel=1e-14)
 
 
-@pytest.mark.parametrize("angle", [0.05, -0.1])
-def test_a_trapezoid_both_ways(angle: float) -> None:
-    share = np.arange(64) / 64
-    ramp = np.clip(4.0 * np.sin(2.0 * np.pi * share), -1.0, 1.0)
-    motion = vibro.Motion.samples(along=-7.0 * ramp, normal=-6.0 * np.roll(ramp, 9))
-
-    def at(scale: float) -> Scene:
-        return conveyor(scale, motion, trough_angle=angle)
-
-    assert isinstance(motion, PiecewiseMotion)
-    dense = motion.accelerations(np.arange(64_000) / 64_000)
-    loads, now = vibro.critical_loads(at(1.0)), float(at(1.0).load)
-    n, t, mu = 9.81 * math.cos(angle), 9.81 * math.sin(angle), 0.3
-    s, b = -dense
-    assert float(loads.hop) / now == pytest.approx(n / b.max(), rel=1e-7)
-    assert float(loads.forward_onset) / now == pytest.approx((mu * n + t) / (s + mu * b).max(), rel=1e-7)
-    assert float(loads.back_onset) / now == pytest.approx((mu * n - t) / (mu * b - s).max(), rel=1e-7)
-    assert check_ends(at, math.inf) >= 4
-
-
 def test_a_clamped_part_on_a_vertical_track() -> None:
     def at(scale: float) -> Scene:
         return conveyor(scale, normal_acceleration=60.0, trough_angle=math.pi / 2)

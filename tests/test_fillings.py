@@ -10,8 +10,7 @@ from helpers.cases import each
 from helpers.draws import examples
 from helpers.reactions import measured_means, measured_reaction
 from helpers.reference_tables import read_rows
-from helpers.scenes import Groups, at_load, contact_groups, driven, line_of, random_scenes, replaced
-from helpers.solver_doors import plain
+from helpers.scenes import Groups, at_load, contact_groups, driven, line_of, replaced
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
@@ -196,14 +195,6 @@ def test_long_and_short_legs_agree_where_they_meet() -> None:
         np.testing.assert_allclose(short, long, rtol=0.0, atol=4e-16)
 
 
-def test_similar_scenes_weigh_the_same() -> None:
-    scene = random_scenes(300, 12, most_trough_deg=10.0)
-    other = replaced(scene, amplitude=scene.scale / 9.0, frequency=scene.frequency * 3.0)
-    here, there = filling(scene), filling(other)
-    np.testing.assert_allclose(there.share, here.share, rtol=0.0, atol=1e-10)
-    np.testing.assert_allclose(there.energy_per_cycle * 9.0, here.energy_per_cycle, rtol=1e-6, atol=1e-15)
-
-
 # -------------------------------------------------------------------------------- cells and statuses
 
 
@@ -225,17 +216,6 @@ def test_a_grid_has_the_numbers_of_its_cells() -> None:
             a, b = getattr(whole, name)[i, j], getattr(cell, name)
             assert a == b or (np.isnan(a) and np.isnan(b)), name
         assert np.ndim(cell.added_mass_share) == 0
-
-
-def test_plain_python_gives_the_same_bits() -> None:
-    scenes = [random_scenes(200, 3, most_trough_deg=10.0), *FOLLOWED.values(), *map(row_scene, ROWS)]
-    scenes.append(driven(Groups(2.6 / math.sin(0.5), math.degrees(0.5), 0.5, 0.4), None, 0.24))
-    fast = [filling(scene) for scene in scenes]
-    with plain():
-        slow = [filling(scene) for scene in scenes]
-    for a, b in zip(fast, slow, strict=True):
-        for name in ALL:
-            assert np.asarray(getattr(a, name)).tobytes() == np.asarray(getattr(b, name)).tobytes()
 
 
 # ------------------------------------------------------------------- up to what mass the motion is given

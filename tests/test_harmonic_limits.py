@@ -112,34 +112,6 @@ def test_statuses(made: Scene, status: Status, regime: Regime, pattern: str) -> 
     assert bool(np.isnan(cycle.displacement_per_cycle)) == (pattern == "")
 
 
-@pytest.mark.parametrize(
-    ("size", "status", "pattern"),
-    [(1.0 - 1e-9, Status.OK, "_"), (1.0, Status.BOUNDARY, "_"), (1.0 + 1e-9, Status.OK, "F_B_F_B_")],
-)
-def test_onsets_just_below_at_and_just_above(size: float, status: Status, pattern: str) -> None:
-    """The second harmonic alone opens two windows each way at once."""
-    cycle = solve(scene(along=(0.0, size * 0.1)))
-    assert (Status(int(cycle.status)), str(cycle.pattern)) == (status, pattern)
-    assert float(cycle.forward_ratio) == pytest.approx(size, rel=1e-15)
-
-
-@pytest.mark.parametrize(
-    ("size", "status", "regime"),
-    [
-        (1.0 - 1e-9, Status.OK, Regime.BACK_SLIP),
-        (1.0, Status.BOUNDARY, Regime.BACK_SLIP),
-        (1.0 + 1e-9, Status.OK, Regime.HOPPING),
-    ],
-)
-def test_hopping_just_below_at_and_just_above(size: float, status: Status, regime: Regime) -> None:
-    cycle = solve(scene(across=(0.0, 0.25 * size)))
-    assert (Status(int(cycle.status)), Regime(int(cycle.regime))) == (status, regime)
-    assert float(cycle.throw_number) == pytest.approx(size, rel=1e-15)
-    # what hops hardly moves as what hardly does not
-    below = solve(scene(across=(0.0, 0.25 * (1.0 - 1e-6))))
-    assert float(cycle.displacement_per_cycle) == pytest.approx(float(below.displacement_per_cycle), abs=1e-5)
-
-
 def test_other_cycles_are_told_where_bodies_reach_them() -> None:
     drawn = random_harmonics(400, 11, ratio=(0.05, 0.3), along_only=True, steep=0.0)
     found = vibro.solve(drawn, starts=16)

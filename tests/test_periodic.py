@@ -12,11 +12,9 @@ from helpers.cases import each
 from helpers.periodic_tables import least_rotation, read_rows, scene_of, size_of
 
 import vibro
-from vibro import Regime, Status
+from vibro import Status
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from vibro import SteadyCycle
 
 TURN = 2.0 * math.pi
@@ -129,28 +127,3 @@ def test_arrivals(row: dict[str, str]) -> None:
 
 
 # ------------------------------------------------------------------------------- classes by the scale
-
-CLASSES: dict[str, Callable[[str], bool]] = {
-    "forward_slip_intervals": lambda text: "F" in text,
-    "back_slip_intervals": lambda text: "B" in text,
-    "never_at_rest_intervals": lambda text: "_" not in text,
-}
-
-
-@each("row", read_rows("critical_scales"))
-def test_classes_begin_and_end_at_the_listed_scales(row: dict[str, str]) -> None:
-    hop = float(row["hop_scale"])
-    for name, belongs in CLASSES.items():
-        for interval in json.loads(row[name]):
-            for end, inwards in zip(interval, (1.0, -1.0), strict=True):
-                inside, outside = (
-                    vibro.solve(scene_of(row, scale=end * (1.0 + sign * 1e-9)))
-                    for sign in (inwards, -inwards)
-                )
-                assert inside.regime != Regime.HOPPING
-                assert belongs(str(inside.pattern)), (name, end)
-                if abs(end / hop - 1.0) < 1e-12:
-                    assert outside.regime == Regime.HOPPING
-                else:
-                    assert outside.regime != Regime.HOPPING
-                    assert not belongs(str(outside.pattern)), (name, end)

@@ -11,18 +11,15 @@ from helpers.scenes import (
     FIELDS,
     Groups,
     at_load,
-    contact_groups,
     random_scenes,
     replaced,
     scene_with,
     solve_one,
 )
-from hypothesis import assume, given
 
 from vibro import Motion, Regime, Scene, SceneError, Status, solve, steady
 from vibro.core.codes import PATTERNS, Pattern
 from vibro.core.compiled import doors
-from vibro.motion.settled import cycle_phases
 
 # one scene of every contact pattern, in the order of their codes
 ONE_OF_EACH = [
@@ -95,45 +92,6 @@ def test_every_pattern_has_its_regime_and_its_cheapest_model() -> None:
         assert solve_one(one).mean_velocity == cycle.mean_velocity[i]
 
 
-@given(contact_groups())
-def test_phases_agree_with_the_onsets_and_friction_stays_inside_its_cone(one: Groups) -> None:
-    scene = at_load(*one)
-    cycle = solve(scene)
-    assume(cycle.status == Status.OK)
-    phases = cycle_phases(scene)
-    kinds = "".join(phase.kind for phase in phases)
-    assert kinds == cycle.pattern
-    assert ("F" in kinds) <= (cycle.forward_ratio > 1.0)
-    assert ("B" in kinds) <= (cycle.back_ratio > 1.0)
-    assert (kinds == "_") == (max(cycle.forward_ratio, cycle.back_ratio) <= 1.0)
-    assert sum(p.end - p.start for p in phases) * float(scene.frequency) == pytest.approx(1.0, abs=1e-12)
-    moved = sum(p.displacement for p in phases)
-    size = sum(abs(p.displacement) for p in phases)
-    assert moved == pytest.approx(float(cycle.displacement_per_cycle), abs=1e-12 * size)
-
-    a, b = (one.load * f(math.radians(one.drive_deg)) for f in (math.cos, math.sin))
-    weight, tilt = (f(math.radians(one.trough_deg)) for f in (math.cos, math.sin))
-    noise = 1e-9 * (one.load + 1.0)
-    for phase in phases:
-        p = 2.0 * math.pi * float(scene.frequency) * np.linspace(phase.start, phase.end, 33)
-        normal, along = weight - b * np.sin(p), a * np.sin(p) - tilt
-        assert (normal > 0.0).all()
-        if phase.kind == "_":
-            assert (np.abs(along) <= one.mu_s * normal + noise).all()
-        else:
-            way = 1.0 if phase.kind == "F" else -1.0
-            # a slide starts where its load exceeds static friction; its speed keeps its sign
-            assert way * along[0] >= one.mu_s * normal[0] - noise
-            force = along - way * one.mu_d * normal
-            speed = (
-                a * (np.cos(p[0]) - np.cos(p))
-                - tilt * (p - p[0])
-                - way * one.mu_d * (weight * (p - p[0]) + b * (np.cos(p) - np.cos(p[0])))
-            )
-            assert (way * speed >= -noise).all()
-            assert way * force[0] >= -noise
-
-
 def test_the_error_of_a_mean_is_that_of_the_displacement_times_the_frequency() -> None:
     """Twice the frequency at a quarter of the amplitude: the same motion, in half the time.
 
@@ -173,21 +131,6 @@ def test_an_empty_scene_gives_empty_arrays(shape: tuple[int, ...]) -> None:
     for name in FIELDS:
         assert getattr(cycle, name).shape == shape
     assert cycle.pattern.shape == cycle.traverse_time(1.0).shape == shape
-
-
-def test_fields_broadcast_like_the_arguments_of_a_ufunc() -> None:
-    amplitude = np.linspace(0.5e-3, 3e-3, 5)[:, None, None]
-    friction = np.array([0.6, 0.74])[:, None]
-    angle = np.radians([10.0, 20.0, 30.0, 60.0])
-    cycle = solve(scene_with(amplitude=amplitude, static_friction=friction, drive_angle=angle))
-    assert cycle.status.shape == (5, 2, 4)
-    for index in np.ndindex(5, 2, 4):
-        i, j, k = index
-        one = solve(
-            scene_with(amplitude=amplitude[i, 0, 0], static_friction=friction[j, 0], drive_angle=angle[k])
-        )
-        for name in FIELDS:
-            assert np.array_equal(getattr(one, name), getattr(cycle, name)[index], equal_nan=True), name
 
 
 @pytest.mark.usefixtures("two_cores")

@@ -15,40 +15,6 @@ REST: dict[str, Any] = {"frequency": 2.5, "static_friction": 0.3, "kinetic_frict
 GRAVITY = 9.81
 
 
-def slip_stick(scale: Any = 1.0) -> Scene:
-    return Scene(motion=Motion.steps([(0.8, 2.4), (0.2, -9.6)]), motion_scale=scale, **REST)
-
-
-@pytest.mark.parametrize("mu_s", [2.4 / GRAVITY, 9.6 / GRAVITY])
-def test_thresholds_of_two_levels(mu_s: float) -> None:
-    """Just below, and just above, the static friction that a step reaches."""
-    below, above = (
-        solve(
-            Scene(
-                motion=Motion.steps([(0.8, 2.4), (0.2, -9.6)]),
-                **(REST | {"static_friction": mu, "kinetic_friction": 0.2}),
-            )
-        )
-        for mu in (mu_s * (1.0 - 1e-12), mu_s * (1.0 + 1e-12))
-    )
-    ratio = "back_ratio" if mu_s < 0.5 else "forward_ratio"
-    assert getattr(below, ratio) > 1.0 > getattr(above, ratio)
-    assert getattr(below, ratio) == pytest.approx(1.0, rel=2e-12)
-
-
-def test_a_body_that_never_rests_takes_no_notice_of_the_scale() -> None:
-    """Friction is the same either way, and its mean is zero: it slides each way for half of the period."""
-    cycle = solve(slip_stick([1.5, 3.0]))
-    assert cycle.pattern.tolist() == ["FB", "FB"]
-    assert cycle.mean_velocity[0] == pytest.approx(float(cycle.mean_velocity[1]), rel=1e-13)
-    assert cycle.mean_velocity[0] == pytest.approx(two_levels_without_rest(), rel=1e-13)
-
-
-def two_levels_without_rest() -> float:
-    found = displacement(Drive([(0.8, 7.2, 0.0), (0.2, -28.8, 0.0)], 0.3, 0.25, GRAVITY, 0.0, 0.4))
-    return found / 0.4
-
-
 def random_steps(seed: int, count: int) -> Any:
     rng = np.random.default_rng(seed)
     for _ in range(count):
@@ -113,16 +79,3 @@ def test_samples_convey_as_the_harmonics_that_they_are_of() -> None:
     assert splined.mean_velocity == pytest.approx(expected, rel=1e-6)
     heard = solve(Scene(motion=Motion.samples(sum(waves), of="displacement"), **REST))
     assert heard.mean_velocity == pytest.approx(expected, rel=1e-11)
-
-
-def test_steps_off_the_trough_make_a_body_hop() -> None:
-    """Thrown up at c times gravity less for 1/4 of the period, and it lands before the next throw."""
-    hop = Scene(motion=Motion.steps([(0.75, 2.0), (0.25, -6.0)], [(0.75, 4.0), (0.25, -12.0)]), **REST)
-    cycle = solve(hop)
-    assert cycle.throw_number == pytest.approx(12.0 / GRAVITY, rel=1e-14)
-    assert cycle.status == Status.OK
-    # falls freely for T/4 while the trough falls faster, and until the trough, then slower, meets it
-    gap, speed = 0.5 * (12.0 - GRAVITY) * 0.1**2, (12.0 - GRAVITY) * 0.1
-    down = 4.0 + GRAVITY
-    flight = 0.1 + (speed + math.sqrt(speed**2 + 2.0 * down * gap)) / down
-    assert cycle.flight_fraction == pytest.approx(flight / 0.4, rel=1e-12)

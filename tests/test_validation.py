@@ -25,12 +25,9 @@ from validation import (
     misses,
     read_table,
     repeating,
-    walk,
     walked_advances,
     walked_speeds,
 )
-
-from vibro.errors import InputError
 
 PAGE = (Path(__file__).parents[1] / "docs" / "theory" / "validation.md").read_text(encoding="utf-8")
 ROWS = {
@@ -78,24 +75,6 @@ def test_what_the_page_says_of_all_ten() -> None:
     assert f"the mean {np.mean(np.abs(found[:, 1] - measured)) / MM:.2f} mm" in PAGE
     within = (found.min(axis=1) <= measured) & (measured <= found.max(axis=1))
     assert [trial.number for trial, near in zip(TRIALS, within, strict=True) if near] == [4, 5, 6, 7, 8]
-
-
-@pytest.mark.parametrize(
-    ("static", "kinetic", "place"),
-    [
-        (GRAVITY * (1.0 + 1e-12), 4.0, 0.0),
-        (GRAVITY, 4.0, 0.0),
-        (GRAVITY * (1.0 - 1e-12), 4.0, -0.5 * (GRAVITY - 4.0) * 0.3**2),
-    ],
-    ids=["held", "just held", "falls"],
-)
-def test_a_part_on_a_finger_at_rest(static: float, kinetic: float, place: float) -> None:
-    assert walk(np.zeros(4), 0.1, static, kinetic)[-1] == pytest.approx(place, rel=1e-13, abs=0.0)
-
-
-def test_a_pushed_part_stops_within_a_step_and_stays() -> None:
-    places = walk(np.zeros(3), 0.1, 12.0, 11.0, start=1.0)
-    assert places[1:] == pytest.approx([0.5 / (GRAVITY + 11.0)] * 2, rel=1e-13)
 
 
 # ------------------------------------------------------------------------------
@@ -200,23 +179,3 @@ def test_a_table_of_measured_speeds_stands_beside_the_model(
         "  2    17.100 +-   0.342     16.263            -4.9      -2.4  A. Smith, bench 3"
         in capsys.readouterr().out
     )
-
-
-@each(
-    ("old", "new", "problem"),
-    [
-        ("static_friction", "friction", "no column static_friction"),
-        (",", ";", "no column static_friction, kinetic_friction, source"),
-        ("0.57,17.1", "x,17.1", "row 2, kinetic friction = 'x': not a number"),
-        (",a\n", ",\n", "row 3, source: the cell is empty"),
-        ("\n1.0", "\n9", "row 2, the part hops"),
-        ("\n1.0", "\n", "row 2, amplitude: the cell is empty"),
-        ("drive_angle_deg", "angle", "row 2, unknown argument 'angle'"),
-        (r"mean_velocity_mm_s(.*),0,2", r"traverse_time_s\1,9,2", "no column mean_velocity_mm_s"),
-    ],
-)
-def test_a_wrong_table_is_told(tmp_path: Path, old: str, new: str, problem: str) -> None:
-    path = tmp_path / "table.csv"
-    path.write_text(re.sub(old, new, TABLE, flags=re.DOTALL))
-    with pytest.raises(InputError, match=re.escape(problem)):
-        compare_table(path)

@@ -7,11 +7,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from engines import harmonic_walk, integrated, two_axis_walk
+from engines import harmonic_walk, two_axis_walk
 from helpers.harmonics import drive_of, random_harmonics
 from helpers.reference_tables import CONTACT, LINES, UNSETTLED_IMPACT, read_table
-from helpers.scenes import Groups
-from helpers.two_axis_scenes import EPS, TURN, compare, drives, random_drives
+from helpers.two_axis_scenes import EPS, TURN, Drives, compare, random_drives
 
 from vibro import Status, solve
 
@@ -88,34 +87,6 @@ def test_walks_are_right_on_every_row(name: str) -> None:
                 assert walked.impact_speed == pytest.approx(row["impact_speed_m_s"], rel=1e-11), i
 
 
-@pytest.mark.parametrize(
-    ("groups", "lead", "e", "turns"),
-    [
-        (Groups(1.0, 20.0, 0.74, 0.57), -1.0, 0.0, 3),
-        (Groups(1.3, 20.0, 0.5, 0.4, 2.0), 2.2, 0.0, 6),
-        (Groups(1.4, 35.0, 0.4, 0.3, -4.0), -2.5, 0.0, 6),
-        (Groups(0.95, 80.0, 0.5, 0.4, 6.0), 1.4, 0.0, 3),
-        (Groups(3.0, 25.0, 0.5, 0.4), -1.2, 0.0, 4),
-        (Groups(3.0, 35.0, 0.5, 0.4, 3.0), 2.0, 0.3, 3),
-    ],
-)
-def test_bodies_walk_as_integrated_ones(groups: Groups, lead: float, e: float, turns: int) -> None:
-    alpha = math.radians(groups.drive_deg)
-    along, normal = groups.load * math.cos(alpha), groups.load * math.sin(alpha)
-    (walk,) = drives(
-        along, normal, lead, groups.mu_s, groups.mu_d, math.radians(groups.trough_deg), e
-    ).bodies()
-    body = integrated.Body(groups, e, lead=lead)
-    phase, place = 0.0, 0.0
-    for leg in walk.legs():
-        phase, place = phase + leg.length, place + leg.path
-        if phase > turns * TURN:
-            break
-        body.until(phase)
-        # the smallest bounces are left out by both, but not the same ones
-        assert groups.load * body.state[0] == pytest.approx(place, abs=1e-9 if e == 0.0 else 1e-6)
-
-
 # --- random scenes ----------------------------------------------------------------------------------
 
 
@@ -125,6 +96,24 @@ def test_bodies_walk_as_integrated_ones(groups: Groups, lead: float, e: float, t
 def test_random_ellipses_settle_as_the_walk_does(seed: int, steepest: float, least_ratio: float) -> None:
     seen = compare(random_drives(60, seed, steepest=steepest, least_ratio=least_ratio))
     assert len(seen) >= 5
+
+
+def test_troughs_are_walked_about_as_steep_as_kinetic_friction_holds() -> None:
+    some = random_drives(300, 31)
+    steep = np.arctan(some.mu_d * np.random.default_rng(31).uniform(0.7, 1.2, 300))
+    steep = np.minimum(steep, 0.99 * np.arctan(some.mu_s))
+    trough = np.where(some.lead > 0.0, steep, -steep)
+    seen = compare(some.changed(trough=trough, normal=some.normal * np.cos(trough)))
+    assert seen.keys() >= {"runaway", "FB", "F_B", "FB_"}
+
+
+def test_a_body_may_start_inside_a_window() -> None:
+    some = random_drives(4000, 23, steepest=0.95, throw=(0.8, 0.999))
+    normal = np.cos(some.trough) - some.normal * np.sin(some.lead)
+    inside = np.abs(np.sin(some.trough)) > some.mu_s * normal
+    some = Drives(*(x[inside][:50] for x in some))
+    assert {1.0, -1.0} == set(np.sign(some.trough))
+    compare(some)
 
 
 @pytest.mark.parametrize(("seed", "steepest", "least_ratio"), [(1, 0.0, 0.4), (2, 0.5, 0.4), (3, 0.2, 0.1)])

@@ -149,111 +149,12 @@ def _column(column: memoryview[float], motion: Bounces) -> list[float]:
     return [column[row] for row in range(motion.first, motion.first + motion.count)]
 
 
-def _apart(one: float, other: float) -> float:
-    return abs(math.remainder(one - other, TURN))
-
-
 # ------------------------------------------------------------------------------- cycles with contact
-
-
-def test_the_momentum_of_a_cycle_is_that_of_the_weight() -> None:
-    draw, closed = random.Random(1), 0
-    for i in range(200):
-        throw, restitution = draw.uniform(1.01, 6.0), (0.0, 0.1, 0.25)[i % 3]
-        motion = _from_rest(throw, restitution)
-        if not motion.repeats:
-            continue
-        closed += 1
-        # Eq. (29); in contact the load is 1 - K sin p
-        end = motion.landing + motion.rest
-        impulse = sum(_column(FLIGHTS.impulse, motion)) + motion.rest
-        impulse += throw * (math.cos(end) - math.cos(motion.landing))
-        # bounces that accumulate are summed as if the load were constant over their last 1e-8 rad
-        assert impulse == pytest.approx(TURN * motion.cycles, abs=1e-7)
-        assert sum(_column(FLIGHTS.length, motion)) + motion.rest == pytest.approx(TURN * motion.cycles)
-    assert closed > 170
 
 
 # ------------------------------------------------------------------------------- cycles without contact
 
 LOWEST, HIGHEST = math.sqrt(math.pi**2 + 1.0), math.sqrt(math.pi**2 + 4.0)
-
-
-@pytest.mark.parametrize(
-    ("throw", "count"),
-    [(LOWEST - 1e-3, 1), (LOWEST + 1e-9, 1), (3.5, 1), (HIGHEST - 1e-9, 1), (HIGHEST + 1e-3, 2)],
-)
-def test_above_one_cycle_of_flight_the_body_is_thrown_again_where_it_lands(throw: float, count: int) -> None:
-    motion = _from_rest(throw, 0.0)
-    assert motion.repeats
-    assert (motion.count, motion.cycles) == (count, count)
-    assert (motion.rest > 0.0) is (throw < LOWEST)
-    if LOWEST < throw < HIGHEST:
-        # Eq. (32) for a turn: K cos p = pi; nothing bounces, so that the impulse is that of the impact alone
-        assert motion == Bounces(True, 0, 1, 0, 1, 0.0, 0.0, math.asin(1.0 / throw))
-        assert throw * math.cos(FLIGHTS.phase[0]) == pytest.approx(math.pi)
-        row = (FLIGHTS.speed[0], FLIGHTS.length[0], FLIGHTS.impact[0], FLIGHTS.impulse[0], FLIGHTS.before[0])
-        assert row == (0.0, TURN, TURN, TURN, 0.0)
-
-
-def _onward(throw: float, restitution: float, phase: float, speed: float) -> tuple[float, float]:
-    """Fly once and bounce."""
-    flown = flight(sinusoidal(throw), phase, speed)
-    return (phase + flown.length) % TURN, restitution * flown.impact
-
-
-@pytest.mark.parametrize("throw", [3.35, 3.5, 3.7])
-def test_flight_after_flight_leads_to_the_closed_form_of_one_turn(throw: float) -> None:
-    phase = math.asin(1.0 / throw)
-    for _ in range(400):
-        phase, _ = _onward(throw, 0.0, phase, 0.0)
-        assert throw * math.sin(phase) >= 1.0
-    _from_rest(throw, 0.0)
-    assert FLIGHTS.phase[0] == pytest.approx(phase, abs=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("throw", "restitution", "count", "cycles", "approach"),
-    [
-        (3.76, 0.0, 2, 2, 7),
-        (6.4, 0.0, 1, 2, 7),
-        (2.54, 0.1, 2, 1, 7),
-        (2.24, 0.3, 2, 2, 15),
-        (2.3, 0.3, 4, 4, 15),
-        (2.4, 0.2, 1, 1, 31),
-    ],
-)
-def test_a_cycle_that_never_rests_is_one_of_the_flight_map(
-    throw: float, restitution: float, count: int, cycles: int, approach: int
-) -> None:
-    motion = _from_rest(throw, restitution)
-    assert motion.repeats
-    # it is looked for after 8, 16, 32 ... flights
-    assert (motion.count, motion.cycles, motion.approach) == (count, cycles, approach)
-    assert (motion.landing, motion.rest) == (0.0, 0.0)
-    # its flights stand behind those of the approach, and behind the one that it was started from
-    assert motion.first == motion.approach + 1
-    assert FLIGHTS.phase[motion.approach] == motion.approach_end
-    rows = range(motion.first, motion.first + count)
-    jacobian = np.eye(2)
-    for row, following in zip(rows, [*rows[1:], rows[0]], strict=True):
-        phase, speed = FLIGHTS.phase[row], FLIGHTS.speed[row]
-        flown = flight(sinusoidal(throw), phase, speed)
-        assert (FLIGHTS.length[row], FLIGHTS.impact[row]) == pytest.approx(flown, rel=1e-12)
-        assert FLIGHTS.impulse[row] == pytest.approx((1.0 + restitution) * flown.impact)
-        assert not after_landing(
-            sinusoidal(throw), phase + flown.length, flown.impact, restitution, 1e-8
-        ).contact
-        assert _apart(phase + flown.length, FLIGHTS.phase[following]) < 1e-11
-        assert restitution * flown.impact == pytest.approx(FLIGHTS.speed[following], abs=1e-11)
-        jacobian = (
-            np.array(tangent_map(sinusoidal(throw), restitution, phase, flown)).reshape(2, 2) @ jacobian
-        )
-    assert abs(np.linalg.eigvals(jacobian)).max() < 1.0
-    assert sum(_column(FLIGHTS.length, motion)) == pytest.approx(TURN * cycles, rel=1e-12)
-    # the approach ends near it
-    near = [_apart(motion.approach_end, p) for p in _column(FLIGHTS.phase, motion)]
-    assert min(near) < 0.1
 
 
 @each("throw", [1.0 + 1e-12, 1.0001, 10.0, 1e3, 1e6])

@@ -129,23 +129,6 @@ def test_the_least_speed_of_a_load_is_at_the_frequency_of_its_sign(path: float) 
     assert mean_speed(box, 1.4, path) * path < mean_speed(box, 1.5, path) * path  # it grows in size
 
 
-@given(solver_boxes(), st.lists(st.floats(0.0, 1.0), min_size=AXES, max_size=AXES))
-def test_the_speed_of_a_body_is_that_of_its_scene(box: Box, shares: list[float]) -> None:
-    """At either end of the frequencies of its load, the slower one."""
-    box = box._replace(frequency_low=15.0, frequency_high=15.0, factor_low=1e-12, factor_high=1e12)
-    x: Any = [low + share * (high - low) for low, high, share in zip(box.low, box.high, shares, strict=True)]
-    x[6] = min(max(x[6], box.ratio_low * x[5]), box.ratio_high * x[5])
-    cycle = bodies(box._replace(low=x, high=x, ratio_low=0.0, ratio_high=1.0), np.zeros((AXES + 1, 1)))
-    row: Any = [math.nan, *x]
-    found = speed_at(box, row, 1)
-    if cycle.regime[0] == Regime.HOPPING:
-        assert math.isnan(found)
-    elif not math.isfinite(cycle.mean_velocity[0]):
-        assert found == -math.inf
-    else:
-        assert found == pytest.approx(box.way * float(cycle.mean_velocity[0]), rel=1e-9, abs=1e-12)
-
-
 @each("way", [1.0, -1.0])
 @each(
     ("changed", "highest", "expected"),
@@ -205,28 +188,10 @@ def test_no_body_is_slower_than_the_bound_of_its_box(box: Box) -> None:
     assert_none_is_slower(box)
 
 
-@given(solver_boxes(widest=1e-3))
-def test_no_body_is_slower_than_the_bound_of_a_narrow_box(box: Box) -> None:
-    assert_none_is_slower(box)
-
-
 @examples(30)
 @given(solver_boxes(steep=True))
 def test_no_body_is_slower_on_a_trough_on_which_some_run_away(box: Box) -> None:
     assert_none_is_slower(box)
-
-
-@given(solver_boxes(widest=0.0))
-def test_the_bound_of_a_single_body_is_its_speed(box: Box) -> None:
-    """To rounding where it rests; where it never does it is followed until its cycles nearly repeat."""
-    box = box._replace(frequency_low=15.0, factor_low=box.factor_high)
-    cycle = bodies(box, np.zeros((AXES + 1, 1)))
-    ratios = np.array([cycle.forward_ratio[0], cycle.back_ratio[0]])
-    assume(cycle.status[0] == vibro.Status.OK and np.all(np.abs(ratios - 1.0) > 1e-3))  # no jump is near
-    rests = cycle.regime[0] == 0 or "_" in str(cycle.pattern[0])
-    assume(rests or strength(box) < 20.0)
-    slack = (1e-11 if rests else 2e-5 * max(1.0, 0.2 * strength(box))) * largest_speed(box)
-    assert bound(box) == pytest.approx(box.way * float(cycle.mean_velocity[0]), rel=0.0, abs=slack)
 
 
 def strength(box: Box) -> float:
@@ -393,17 +358,6 @@ def test_boxes_fill_the_box(name: str, most: int) -> None:
     assert np.all(found.bound >= np.array(own))
     assert np.all(found.bound <= np.maximum(own, found.bound.min()) + 2e-5 * largest_speed(box))
     assert found.bound.min() >= least_speed(box, box.low, box.high, 0)
-
-
-@pytest.mark.parametrize("name", BOXES)
-def test_the_slowest_body_that_is_met_is_one_of_the_box(name: str) -> None:
-    box = BOXES[name]
-    found = covered(box, 60)
-    assert found.speed == speed_at(box, found.point, 0)
-    assert np.all((np.array(box.low) <= found.point) & (found.point <= np.array(box.high)))
-    middles = [speed_at(box, 0.5 * (low + high), 0) for low, high in zip(found.low, found.high, strict=True)]
-    assert found.speed <= np.nanmin(middles)
-    assert covered(box, 20, speed=-9.0).speed == -9.0  # a slower one that is known stays
 
 
 @pytest.mark.parametrize(("gap", "least"), [(1e-1, 0.0), (3e-2, 0.0), (2e-2, 1.0)])

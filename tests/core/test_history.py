@@ -260,30 +260,6 @@ def test_short_slides_keep_their_digits(excess: float, slope: float) -> None:
         assert at.phase == pytest.approx(float(p), abs=4e-16)
 
 
-@pytest.mark.parametrize("way", [1.0, -1.0])
-@pytest.mark.parametrize("excess", [1e-12, 1e-6, 0.1])
-def test_onsets_in_short_windows_keep_their_digits(way: float, excess: float) -> None:
-    """Beside 60 digits; half of them is lost in the arc sine of a number next to 1."""
-    for phi in (-2.1, -0.4, 1.3):
-        static, b = 0.5, 0.3
-        level, steep = way * math.cos(phi) + static * b, way * math.sin(phi)
-        weight = math.sqrt(level * level + steep * steep) / static / (1.0 + excess)
-        loads = ellipse(1.0 / weight, b, math.degrees(phi), static, 0.4)
-        track = course_of(loads, 0.0).track
-        with mpmath.workdps(60):
-            a, b_, n, sine, cosine = (mpmath.mpf(x) for x in (
-                loads.drive_tangential, loads.drive_normal, loads.weight_normal, loads.phase_sine,
-                loads.phase_cosine,
-            ))  # fmt: skip
-            level_, steep_ = way * a * cosine + static * b_, way * a * sine
-            size = mpmath.sqrt(level_ * level_ + steep_ * steep_)
-            onset = float(mpmath.asin(static * n / size) + mpmath.atan2(steep_, level_))
-        found = track.forward_onset if way > 0.0 else track.back_onset
-        assert 0.0 <= found < TURN
-        noise = 8.0 * 2.0**-52 / math.sqrt(excess) * (0.1 if excess < 1e-9 else 1.0)
-        assert abs(math.remainder(found - onset, TURN)) < noise + 4e-15
-
-
 def test_a_body_leaves_at_once_where_the_trough_cannot_bear_it() -> None:
     loads, _ = HOPS["HFB"]
     course = course_of(loads, 0.0)
@@ -463,14 +439,3 @@ def test_a_cycle_that_starts_with_the_drive_s_lasts_one_turn() -> None:
         seen += abs(at) < 1e-10
         low, high = (middle, high) if at < 0.0 else (low, middle)
     assert seen > 10
-
-
-def test_legs_that_do_not_fit_are_asked_for_again() -> None:
-    for name, cycles in (("FB", 1e9), ("F_", 1e9), ("hops, many bounces", 9.0), ("more than 90 deg", 0.01)):
-        loads, restitution = ALL[name]
-        found, legs = history_of(loads, restitution, cycles)
-        enough, again = history_of(loads, restitution, cycles, rows=found.number)
-        assert enough == found
-        assert all((np.asarray(a)[: found.number] == np.asarray(b)[: found.number]).all()
-                   for a, b in zip(legs, again, strict=True))  # fmt: skip
-        assert history_of(loads, restitution, cycles, rows=found.number - 1)[0].number == -1

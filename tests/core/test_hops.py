@@ -38,16 +38,6 @@ def _solved(loads: Loads, restitution: float = 0.0) -> Hopping:
 # ------------------------------------------------------------------------------- limits
 
 
-def test_ideal_sticking_is_the_limit_of_high_friction() -> None:
-    for throw in (1.05, 1.7, 2.4, 3.2):
-        for friction, tolerance in ((1e3, 1e-2), (1e5, 1e-4), (1e7, 1e-6)):
-            loads = line(throw, 30.0, friction, friction)
-            found = _solved(loads)
-            # v = g n^2 / (2 f) cot(alpha), Eq. (39), with n = flight fraction
-            share = found.flight_fraction**2 * loads.weight_normal / math.tan(math.radians(30.0))
-            assert found.displacement == pytest.approx(2.0 * math.pi**2 * share, rel=tolerance)
-
-
 # ------------------------------------------------------------------------------- statuses
 
 
@@ -149,30 +139,7 @@ def test_means_are_those_of_a_body_walked_for_long() -> None:
         assert means.peak == pytest.approx(peak / unit(loads), rel=0.25)
 
 
-def test_the_error_shrinks_with_the_root_of_the_sample() -> None:
-    errors: list[tuple[float, float]] = []
-    for i in range(4):
-        loads = line(2.4 + 0.03 * i, 30.0, 0.5, 0.4)
-        short, long = _averaged(loads, 0.3, 6), _averaged(loads, 0.3, 54)
-        errors.append((short.deviation, long.deviation))
-        apart = abs(short.displacement - long.displacement)
-        assert apart < 5.0 * math.hypot(short.deviation, long.deviation)
-    ratio = math.sqrt(sum(a * a for a, _ in errors) / sum(b * b for _, b in errors))
-    assert 1.8 < ratio < 5.0  # 3
-
-
 # ------------------------------------------------------------------------------- gains and balance
-
-
-def test_bodies_that_gravity_drives_on_without_a_stop_run_away() -> None:
-    for throw in (1.5, 4.0):
-        for trough in (-15.0, 15.0):
-            for longest in (False, True):
-                means = _averaged(line(throw, 30.0, 0.5, 0.2, trough), 0.3, 24, longest=longest)
-                assert means.status == Status.RUNAWAY or (means.status == Status.UNRESOLVED and not longest)
-                assert all(math.isnan(x) for x in means[1:])
-    # not where friction holds them
-    assert _averaged(line(2.45, 30.0, 0.5, 0.2, -11.0), 0.3, 24).status == Status.AVERAGED
 
 
 # ------------------------------------------------------------------------------

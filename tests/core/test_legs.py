@@ -9,7 +9,6 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
-from helpers.periodic_tables import least_rotation
 from helpers.waves import (
     coefficients_of,
     drawn_harmonics,
@@ -20,7 +19,6 @@ from helpers.waves import (
     piecewise_waves,
 )
 
-import vibro
 from vibro.core.cells import forget_nodes, largest
 from vibro.core.codes import Mode
 from vibro.core.drive import Loads, wave_loads
@@ -290,84 +288,3 @@ def test_slides_end_if_friction_holds_more_than_gravity_pulls(pieces: bool) -> N
 
 
 # ------------------------------------------------------------------------------- one harmonic
-
-
-def _both(
-    seed: int, throw: tuple[float, float], restitution: float = 0.0, shape: tuple[int, ...] = (200,)
-) -> Any:
-    """Draw ellipses, and the same drives as one harmonic; with half of them a second of amplitude 0."""
-    rng = np.random.default_rng(seed)
-    f = rng.uniform(10.0, 50.0, shape)
-    unit = 9.81 / (TURN * f) ** 2
-    y: Any = unit * rng.uniform(*throw, shape)
-    x: Any = unit * np.exp(rng.uniform(-1.0, 1.5, shape))
-    phase: Any = rng.uniform(-np.pi, np.pi, shape)
-    mu_s = rng.uniform(0.1, 0.9, shape)
-    rest: Any = {
-        "frequency": f, "static_friction": mu_s, "kinetic_friction": mu_s * rng.uniform(0.3, 1.0, shape),
-        "trough_angle": np.arctan(mu_s * 0.3) * rng.uniform(-0.7, 0.7, shape), "restitution": restitution,
-    }  # fmt: skip
-    ellipse = vibro.Scene(along_amplitude=x, normal_amplitude=y, normal_phase=phase, **rest)
-    more: Any = [(0.0, 0.3)] * (seed % 2)
-    waves = vibro.Scene(along_harmonics=[(x, 0.0), *more], normal_harmonics=[(y, phase), *more], **rest)
-    return ellipse, waves, np.maximum(x, y), f
-
-
-@pytest.mark.parametrize(
-    ("seed", "throw", "restitution"),
-    [(1, (0.1, 0.95), 0.0), (2, (1.05, 3.2), 0.0), (3, (1.05, 1.6), 0.3)],
-    ids=["contact", "hopping", "bouncing"],
-)
-def test_one_harmonic_as_waves_is_an_ellipse(
-    seed: int, throw: tuple[float, float], restitution: float
-) -> None:
-    ellipse, waves, size, f = _both(seed, throw, restitution)
-    one, other = vibro.solve(ellipse), vibro.solve(waves)
-    assert one.status.tolist() == other.status.tolist()
-    assert one.regime.tolist() == other.regime.tolist()
-    assert one.coexists.tolist() == other.coexists.tolist()
-    known = one.status == vibro.Status.OK
-    assert known.sum() > 150
-    # of waves a chain of bounces is spelt shorter
-    spelt = [[least_rotation(str(x)) for x in cycle.pattern[known]] for cycle in (one, other)]
-    assert [x for x in spelt[0] if "." not in x] == [y for x, y in zip(*spelt, strict=True) if "." not in x]
-    for name, unit in (
-        ("displacement_per_cycle", size + np.abs(one.displacement_per_cycle)),
-        ("mean_velocity", size * f),
-        ("peak_velocity", size * f * TURN),
-        ("impact_velocity", size * f * TURN),
-        ("flight_fraction", 1.0 + 0.0 * f),
-        ("throw_number", 1.0 + 0.0 * f),
-        ("period_cycles", 1.0 + 0.0 * f),
-        ("largest_multiplier", 1.0 + 0.0 * f),
-    ):
-        off = np.abs(getattr(one, name) - getattr(other, name))[known] / unit[known]
-        assert np.nanmax(off) <= 1e-12, name
-    for name in ("forward_ratio", "back_ratio"):
-        off = np.abs(getattr(one, name) - getattr(other, name))
-        assert np.nanmax(off / (1.0 + getattr(one, name))) <= 1e-13
-
-
-@pytest.mark.parametrize(
-    ("seed", "throw", "restitution"),
-    [(4, (0.3, 0.95), 0.0), (5, (1.05, 3.0), 0.0), (6, (1.05, 1.5), 0.3)],
-    ids=["contact", "hopping", "bouncing"],
-)
-def test_histories_and_arrivals_of_one_harmonic_as_waves(
-    seed: int, throw: tuple[float, float], restitution: float
-) -> None:
-    checked = 0
-    for i in range(16):
-        one, other, size, f = _both(seed + 10 * i, throw, restitution, ())
-        here, there = (vibro.simulate(scene, cycles=6.3, start_phase=0.4) for scene in (one, other))
-        times = np.linspace(0.0, 6.0 / float(f), 50)
-        a, b = here.sample(times), there.sample(times)
-        assert np.abs(a.position - b.position).max() <= 1e-12 * float(size)
-        assert np.abs(a.gap - b.gap).max() <= 1e-12 * float(size)
-        advance = float(vibro.solve(one).displacement_per_cycle)
-        length = 3.3 * abs(advance) + 1e-3 * float(size)
-        first, second = (float(vibro.arrival_time(scene, length)) for scene in (one, other))
-        if math.isfinite(first):
-            checked += 1
-        assert second == pytest.approx(first, rel=1e-12, nan_ok=True)
-    assert checked > 5

@@ -6,7 +6,6 @@ import math
 import random
 from typing import TYPE_CHECKING
 
-import numpy as np
 import pytest
 from helpers.cases import each
 from helpers.hopping_bodies import (
@@ -21,7 +20,7 @@ from helpers.hopping_bodies import (
 
 from vibro.core.bounces import Bounces, bounces
 from vibro.core.codes import Status, spelt_text
-from vibro.core.drive import Loads, phase_difference
+from vibro.core.drive import Loads
 from vibro.core.flight import bed_of
 from vibro.core.hops import enter
 from vibro.core.legs import track_of
@@ -70,34 +69,6 @@ def _returned(scene: Drawn, motion: Bounces, velocity: float) -> Return:
 
 
 # ------------------------------------------------------------------------------- hops
-
-
-@each("length", [1e-3, 0.7, 4.0, 9.0, 31.0])
-@each("share", [0.0, 0.03, -0.03, 0.4, -0.4, 0.97, -0.97, 1.5, -1.5])
-def test_a_hop_holds_what_sampling_the_flight_finds(share: float, length: float) -> None:
-    pick = random.Random(f"{share} {length}")
-    for _ in range(6):
-        loads = ellipse(1.5, pick.uniform(0.2, 1.0), 1.0, pick.uniform(-3.0, 3.0), 0.5, 0.3)
-        loads = loads._replace(weight_tangential=share * loads.drive_tangential)
-        phase, impulse = pick.uniform(0.0, TURN), pick.uniform(0.0, 3.0)
-        HOPS.landing[7], HOPS.rest[7] = 1.0, 2.0
-        write_hop(loads, phase, length, impulse, HOPS, 7)
-        a, t = loads.drive_tangential, loads.weight_tangential
-        q = phase - phase_difference(loads)
-        s = np.linspace(0.0, length, 40_001)
-        added = a * (math.cos(q) - np.cos(q + s)) - t * s
-        scale = 1.0 + abs(t) * length
-        assert HOPS.gain[7] == pytest.approx(added[-1], abs=1e-14 * scale)
-        shift = a * (math.cos(q) * length - math.sin(q + length) + math.sin(q)) - 0.5 * t * length**2
-        assert HOPS.shift[7] == pytest.approx(shift, abs=1e-14 * scale * (1.0 + length))
-        # the largest sample is no more than half a step off
-        assert HOPS.high[7] == pytest.approx(
-            added.max(), abs=a * (length / 40_000) ** 2 / 8.0 + 1e-14 * scale
-        )
-        assert HOPS.low[7] == pytest.approx(added.min(), abs=a * (length / 40_000) ** 2 / 8.0 + 1e-14 * scale)
-        assert HOPS.length[7] == length
-        assert HOPS.brake[7] == pytest.approx(0.3 * loads.weight_normal * impulse, rel=1e-15)
-        assert (HOPS.landing[7], HOPS.rest[7]) == (0.0, 0.0)
 
 
 # ------------------------------------------------------------------------------- one cycle
@@ -228,39 +199,6 @@ def test_low_friction_as_50_digits_have_it(
     assert (found.status, period) == (Status.OK, 1)
     assert spelt_text(found.cycle.pattern) == pattern
     assert found.cycle.displacement == pytest.approx(displacement, rel=1e-12)
-
-
-ORBIT_SCENES: list[Drawn] = [
-    *draw(30, 1, ratio=(0.1, 1.0)),
-    *draw(30, 2, ratio=(0.1, 1.0), ellipses=True),
-    *draw(16, 3, throw=(1.01, 1.9), restitution=0.3),
-    *draw(20, 4, throw=(1.01, 2.0), ratio=(0.03, 0.3)),
-    *draw(20, 5, throw=(1.01, 2.0), ratio=(0.03, 0.3), ellipses=True),
-    *draw(16, 6, throw=(3.3, 9.0)),
-]
-
-
-def test_orbits_end_where_walks_from_rest_do() -> None:
-    ways, stops, far = set(), 0, 0
-    for scene in ORBIT_SCENES:
-        found = _cycle(*scene)
-        if found is None:
-            continue
-        cycle, start, _ = found
-        end = orbit_from(cycle, HOPS, start)
-        assert end.status == Status.OK
-        assert end.cycle == cycle_from(cycle, HOPS, end.velocity)
-        assert abs(end.cycle.velocity - end.velocity) < 1e-11
-        assert abs(end.velocity) <= cycle.bound
-        velocity, change = _iterated(cycle, start)
-        if abs(change) < 1e-14:
-            assert end.velocity == pytest.approx(velocity, abs=1e-9)
-            ways.add(math.copysign(1.0, velocity - start))
-            stops += has_stop(end.cycle)
-            far += abs(velocity - start) > 1e-3
-    assert ways == {-1.0, 1.0}
-    assert 30 < stops < 110
-    assert far > 20
 
 
 def test_where_gravity_wins_a_body_stops_or_runs_away() -> None:

@@ -6,7 +6,6 @@ import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import mpmath
-import numpy as np
 import pytest
 from helpers.cases import each
 from helpers.contact_loads import EPS, MP, Exact, random_ellipses, random_loads
@@ -311,46 +310,6 @@ def test_whether_a_downhill_slide_ends_is_decided_where_its_speed_just_reaches_z
     scale = 1e-14 / max(abs(float(mpmath.cos(low))), 1e-3)
     assert slide(start_inside(float(low) - scale, k, LOAD)).half_length < 4.0
     assert slide(start_inside(float(low) + scale, k, LOAD)).half_length == math.inf
-
-
-def _grid(side: float) -> Iterator[Onset]:
-    """Onsets before (+1) or behind (-1) the crest, logarithmic towards every corner."""
-    # behind the crest a start rounded at 1e-16 leaves slides shorter than that without a length
-    small = np.logspace(-15 if side > 0.0 else -6, -2, 16)
-    distance = np.concatenate([small, np.linspace(0.01, 0.99, 40), 1.0 - small[::-1]]).tolist()
-    shares = [*([0.0] * (side > 0.0)), *distance]
-    quarter = 0.5 * math.pi
-    for u in distance:
-        c = side * quarter * u
-        vers = 2.0 * math.sin(0.5 * c) ** 2
-        cos = math.sin(quarter * (1.0 - u)) if u > 0.5 else 1.0 - vers
-        for e in shares:
-            yield Onset(c, cos, math.sin(c), vers, cos * e, cos * (1.0 - e), LOAD)
-
-
-@pytest.mark.parametrize(("side", "bound"), [(1.0, 0.012), (-1.0, 0.0125)])
-def test_the_refinement_starts_within_its_basin(side: float, bound: float) -> None:
-    for onset in _grid(side):
-        p0, k = 0.5 * math.pi - onset.c, onset.k
-        x = slide(onset).half_length
-        theta = 2.0 * math.asin(math.sqrt(0.5 * (onset.vers + onset.excess)))
-        start = slides._first_estimate(onset.c, k, theta)
-        double_root = math.sqrt(p0 * p0 + 4.0 * k * (math.pi - p0))  # other root for k, p0 -> 0
-        distance = min(x, min(1.0, x) * min(1.0, double_root))
-        assert abs(start - x) <= bound * distance + 3e-15
-        # and the refinement got x right: Eq. (12) holds there
-        assert abs(math.sin(p0 + x) * math.sin(x) - k * x) < 4e-15
-
-
-@pytest.mark.parametrize("side", [1.0, -1.0])
-def test_the_first_step_leaves_what_the_second_takes_away(
-    side: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    assert slides._SETTLED == 1e-4
-    monkeypatch.setattr(slides, "_SETTLED", 4.5e-6)
-    assert all(slide(onset).settled for onset in _grid(side))
-    monkeypatch.setattr(slides, "_SETTLED", 1e-6)  # so it is the last step that is looked at
-    assert not all(slide(onset).settled for onset in _grid(side))
 
 
 @pytest.mark.parametrize("k", [-1.0, -1.7, -1e300])

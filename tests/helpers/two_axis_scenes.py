@@ -69,11 +69,6 @@ class Drives(NamedTuple):
         lead = self.lead + np.where(self.lead > 0.0, -math.pi, math.pi)
         return self.changed(lead=lead, trough=-self.trough)
 
-    def onset(self, way: int) -> Floats:
-        """Return the factor of both amplitudes from which on a resting body slips one way."""
-        pull = np.abs(way * self.along + self.mu_s * self.normal * np.exp(1j * self.lead))
-        return np.asarray((self.mu_s * np.cos(self.trough) + way * np.sin(self.trough)) / pull)
-
 
 def drives(
     along: ArrayLike = 1.0,

@@ -7,9 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from helpers.scenes import GRAVITY, Groups, at_load, contact_groups, replaced, scene_with
-from hypothesis import given
-from hypothesis import strategies as st
+from helpers.scenes import Groups, at_load, replaced, scene_with
 
 import vibro
 from vibro import VibroError
@@ -17,11 +15,8 @@ from vibro import VibroError
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from vibro.results.history import Phase
-
     Floats = NDArray[np.float64]
 
-TURN = 2.0 * math.pi
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(24)
 
 PATTERNS = [
@@ -54,79 +49,6 @@ HOPS = [  # bodies that rest, and two that leave again where they land
 
 def hopping(load: float, restitution: float) -> vibro.Scene:
     return replaced(at_load(load, 20.0, 0.74, 0.57), restitution=restitution)
-
-
-def within(phase: Phase) -> Floats:
-    """Nodes of Gauss and Legendre inside a phase."""
-    return phase.start + 0.5 * (phase.end - phase.start) * (1.0 + NODES)
-
-
-def integral(phase: Phase, values: Floats) -> float:
-    return float(0.5 * (phase.end - phase.start) * (WEIGHTS @ values))
-
-
-def assert_balanced(history: vibro.History) -> None:
-    """Path, velocity and kinetic energy are the integrals of velocity, acceleration and power."""
-    scene = history.scene
-    speed = float(scene.scale * TURN * scene.frequency)
-    period = 1.0 / float(scene.frequency)
-    for phase in history.phases:
-        if phase.end - phase.start > 2.0 * period:
-            continue  # a long rest, or a slide without end: the quadrature is for one cycle
-        q = history.sample(within(phase))
-        top = speed + float(np.abs(q.velocity).max())
-        moved = phase.end_position - phase.start_position
-        gained = phase.end_velocity - phase.start_velocity
-        energy = 0.5 * (phase.end_velocity**2 - phase.start_velocity**2)
-        assert integral(phase, q.velocity) == pytest.approx(moved, abs=1e-12 * top * period)
-        assert integral(phase, q.acceleration) == pytest.approx(gained, abs=1e-12 * top)
-        work = integral(phase, q.inertial * q.velocity) + integral(phase, q.friction * q.velocity)
-        assert work == pytest.approx(energy, abs=1e-12 * top * top)
-        np.testing.assert_allclose(
-            q.inertial + q.friction, q.acceleration, rtol=0.0, atol=1e-12 * speed / period
-        )
-
-
-def assert_in_cone(history: vibro.History) -> None:
-    """Kinetic friction opposes motion, static friction stays within its limit, and neither acts in flight."""
-    scene = history.scene
-    ratio = float(scene.kinetic_friction)
-    for phase in history.phases:
-        if phase.end - phase.start < 1e-9 / float(scene.frequency):
-            continue  # no time inside it is a double
-        q = history.sample(within(phase))
-        noise = 1e-12 * float(GRAVITY + (TURN * scene.frequency) ** 2 * scene.scale)
-        assert (q.normal >= 0.0).all()
-        assert (q.gap >= 0.0).all()
-        if phase.kind == "_":
-            assert (np.abs(q.friction) <= q.static_limit + noise).all()
-            assert (q.velocity == 0.0).all()
-        elif phase.kind == "H":
-            assert (q.friction == 0.0).all()
-            assert (q.normal == 0.0).all()
-        else:
-            way = 1.0 if phase.kind == "F" else -1.0
-            assert (way * q.velocity >= -noise / float(scene.frequency)).all()
-            np.testing.assert_allclose(q.friction, -way * ratio * q.normal, rtol=0.0, atol=noise)
-
-
-@given(contact_groups(), st.floats(-2.0, 2.0), st.floats(0.0, TURN))
-def test_contact_motion_balances_and_keeps_to_the_friction_cone(
-    groups: Groups, velocity: float, phase: float
-) -> None:
-    scene = at_load(*groups)
-    speed = float(scene.scale * TURN * scene.frequency)
-    history = vibro.simulate(scene, cycles=3, start_phase=phase, start_velocity=velocity * speed)
-    assert_balanced(history)
-    assert_in_cone(history)
-
-
-@pytest.mark.parametrize(("load", "restitution"), HOPS)
-def test_hopping_motion_balances_and_keeps_to_the_friction_cone(load: float, restitution: float) -> None:
-    history = vibro.simulate(hopping(load, restitution), cycles=6)
-    assert "H" in {phase.kind for phase in history.phases}
-    assert_balanced(history)
-    assert_in_cone(history)
 
 
 def rotations(pattern: str) -> set[str]:
