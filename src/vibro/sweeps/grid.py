@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 #: Key of a description: the quantity in which the amplitude was given, if that is another one.
 GIVEN_IN: Final = "amplitude_given_as"
 
-_LEAST_ROW: Final = 24  # [cells] Shorter rows save little (benchmarks/sweeps.py --encodings).
+_LEAST_ROW: Final = 24  # [cells] Shorter rows save little.
 _LEAST_ROWS: Final = 32  # With fewer, the extra cells of whole rows would outweigh the saving.
 
 
