@@ -39,14 +39,14 @@ MEASURED = np.array([run.speed for run in RUNS])
 
 
 def row(trial: Trial) -> str:
-    less, computed, more = computed_advances(trial) / MM
+    less, computed, _ = computed_advances(trial) / MM
     error = f" ± {trial.error / MM:.3f}" if trial.cycles > 1 else ""
     cells = (
         trial.number,
         f"{1.0 / trial.period:.1f}",
         f"{trial.force:.1f}",
         f"{trial.advance / MM:.3f}{error}",
-        *(f"{advance:.3f}" for advance in (computed, less, more)),
+        *(f"{advance:.3f}" for advance in (computed, less)),
     )
     return "| " + " | ".join(map(str, cells)) + " |"
 
@@ -73,8 +73,8 @@ def test_what_the_page_says_of_all_ten() -> None:
     assert np.sum(share < 1.0) == 9
     assert f"The median miss of all ten is {100.0 * np.median(np.abs(share - 1.0)):.0f} %" in PAGE
     assert f"the mean {np.mean(np.abs(found[:, 1] - measured)) / MM:.2f} mm" in PAGE
-    within = (found.min(axis=1) <= measured) & (measured <= found.max(axis=1))
-    assert [trial.number for trial, near in zip(TRIALS, within, strict=True) if near] == [4, 5, 6, 7, 8]
+    loose = np.array([f"{trial.force:.1f}" == "5.3" for trial in TRIALS])
+    assert (loose.sum(), np.sum(found[loose, 0] * found[loose, 1] < 0.0)) == (7, 5)
 
 
 # ------------------------------------------------------------------------------

@@ -52,7 +52,7 @@ def _rows(entries: dict[str, Entry]) -> list[str]:
         keys, twin = [key], key.replace("along_", "normal_", 1)
         normal = _cells(entries[twin]) if twin != key and twin in entries else None
         if normal and normal[1:] == tuple(others):
-            keys, meaning = [key, twin], f"{meaning}; also normal to the trough"
+            keys = [key, twin]
         if not any(f"`{key}`" in row for row in rows):
             cells = ("<br>".join(f"`{name}`" for name in keys), meaning, *others)
             rows.append(f"|{'|'.join(f' {cell} ' if cell else ' ' for cell in cells)}|\n")
