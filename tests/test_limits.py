@@ -22,21 +22,6 @@ if TYPE_CHECKING:
 EXAMPLES = Path(__file__).parents[1] / "examples"
 
 
-def test_critical_loads_have_the_shape_of_angles_and_frictions() -> None:
-    scene = scene_with(
-        amplitude=np.linspace(1e-3, 2e-3, 5)[:, None, None],
-        drive_angle=np.radians([[10.0], [20.0], [30.0]]),
-        static_friction=np.array([0.6, 0.74]),
-    )
-    loads = vibro.critical_loads(scene)
-    assert scene.shape == (5, 3, 2)
-    assert loads.hop.shape == (3, 2)
-    np.testing.assert_allclose(loads.hop[:, 0], 1 / np.sin(np.radians([10.0, 20.0, 30.0])), rtol=1e-15)
-    np.testing.assert_allclose(
-        scene.load[:, 0, 0] / loads.hop[1, 1], vibro.solve(scene).throw_number[:, 1, 1]
-    )
-
-
 def test_each_transition_is_where_the_motion_changes() -> None:
     scene = vibro.read_scene(EXAMPLES / "safety_nut.toml")
     seen = []

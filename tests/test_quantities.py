@@ -68,12 +68,6 @@ def test_a_number_is_read_in_the_default_unit(quantity: Quantity, text: str, exp
     assert float(exact_number(text, quantity)) == pytest.approx(expected, rel=2e-16)
 
 
-@each("name", QUANTITIES)
-def test_conversions_are_inverse(name: str) -> None:
-    values = np.array([0.1, 1.0, 44.5])
-    np.testing.assert_allclose(QUANTITIES[name].from_si(QUANTITIES[name].to_si(values)), values, rtol=4e-16)
-
-
 def test_a_scene_has_the_fields_and_defaults_of_the_description() -> None:
     parameters = inspect.signature(Scene).parameters
     lists = {"along_harmonics", "normal_harmonics"}

@@ -322,9 +322,6 @@ def test_a_rest_that_ends_where_the_drive_s_cycle_begins_counts_that_cycle() -> 
 # Histories: legs that join, the cycle that stands for its repeats, and where it is looked for.
 
 
-HISTORY_STARTS = [(0.0, 0.0), (2.0, -0.8), (-8.0, 0.5)]
-
-
 def _kinds(found: Followed, legs: Legs) -> tuple[str, str]:
     """Spell the transient and the cycle."""
     text = "".join(LETTERS[legs.mode[i]] for i in range(found.number))
@@ -355,28 +352,6 @@ def _assert_joined(found: Followed, legs: Legs) -> None:
         if legs.mode[i] != Mode.FLIGHT:
             assert abs(legs.end_velocity[i] - legs.velocity[then]) <= (1e-10 if turns else 0.0)
             assert legs.impact[i] == legs.rate[i] == 0.0
-
-
-@each(("phase", "velocity"), HISTORY_STARTS)
-@each("name", ALL)
-def test_legs_follow_each_other(name: str, phase: float, velocity: float) -> None:
-    loads, restitution = ALL[name]
-    found, legs = history_of(loads, restitution, 60.0, phase=phase, velocity=velocity)
-    assert found.number > 0
-    _assert_joined(found, legs)
-    # and are those of the walk, until the fixed point takes over
-    walk = [
-        (at, leg) for at, leg in walked(course_of(loads, restitution), phase, velocity, found.number)
-        if leg.length > 2e-15
-    ]  # fmt: skip
-    n = loads.weight_normal
-    for i, (at, leg) in enumerate(walk[: min(found.first, 40)]):
-        written = [buffer[i] for buffer in legs]
-        expected = [
-            at.mode, at.cycle, at.phase, leg.length, at.position, at.velocity, leg.displacement, leg.velocity,
-            n * at.rate, n * leg.impact,
-        ]  # fmt: skip
-        assert written == expected
 
 
 @pytest.mark.parametrize(

@@ -28,8 +28,6 @@ from vibro.core.return_map import (
     HoppingCycle,
     Orbit,
     Return,
-    cycle_from,
-    has_stop,
     hopping_cycle,
     orbit_from,
     release,
@@ -140,17 +138,6 @@ def _solved(loads: Loads, restitution: float = 0.0) -> tuple[Orbit, int]:
     return orbit_from(cycle, HOPS, start), period
 
 
-def _iterated(cycle: HoppingCycle, velocity: float, most: int = 300) -> tuple[float, float]:
-    """Go round and round; the last velocity, and its last change."""
-    change = math.inf
-    for _ in range(most):
-        after = cycle_from(cycle, HOPS, velocity).velocity
-        change, velocity = after - velocity, after
-        if abs(change) < 1e-15:
-            break
-    return velocity, change
-
-
 # ------------------------------------------------------------------------------- sizes
 
 
@@ -199,38 +186,6 @@ def test_low_friction_as_50_digits_have_it(
     assert (found.status, period) == (Status.OK, 1)
     assert spelt_text(found.cycle.pattern) == pattern
     assert found.cycle.displacement == pytest.approx(displacement, rel=1e-12)
-
-
-def test_where_gravity_wins_a_body_stops_or_runs_away() -> None:
-    lost = stopped = 0
-    for scene in [
-        Drawn(line(1.9789987, 20.007654, 0.29272432, 0.050192435, -2.8908320), 0.0),
-        Drawn(line(1.9583244, 42.015682, 0.91119969, 0.19707930, -11.274574), 0.0),
-        Drawn(line(1.4692720, 29.524596, 0.34150943, 0.13885237, -7.9549534), 0.0),
-        *draw(60, 9, throw=(1.05, 3.4), ratio=(0.3, 0.9), slope=1.4),
-        *draw(100, 9, throw=(1.05, 3.4), ratio=(0.3, 0.9), slope=1.25, ellipses=True),
-    ]:
-        loads = scene.loads
-        slope = abs(loads.weight_tangential)
-        friction = loads.kinetic_friction * loads.weight_normal
-        if slope < 1.01 * friction or slope >= loads.static_friction * loads.weight_normal:
-            continue
-        if loads.weight_across < 0.0 or (found := _cycle(*scene)) is None:
-            continue
-        cycle, start, _ = found
-        end = orbit_from(cycle, HOPS, start)
-        velocity, change = _iterated(cycle, start)
-        if abs(change) < 1e-14:
-            stopped += 1
-            assert end.status == Status.OK
-            assert has_stop(end.cycle)
-            assert end.velocity == pytest.approx(velocity, abs=1e-10)
-        elif abs(velocity) > 2.0 * cycle.bound:
-            lost += 1
-            assert velocity * loads.weight_tangential < 0.0
-            assert end.status == Status.RUNAWAY
-    assert lost > 10
-    assert stopped > 2
 
 
 def test_gravity_that_kinetic_friction_just_holds() -> None:

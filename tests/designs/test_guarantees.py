@@ -90,12 +90,6 @@ def test_no_sample_beats_corners(box: Boxed) -> None:
     assert_not_beaten(box, found)
 
 
-@examples(6)
-@given(boxes())
-def test_no_sample_beats_searches(box: Boxed) -> None:
-    assert_not_beaten(box, vibro.guarantee(box.scene, **box.bands))
-
-
 @pytest.mark.parametrize("trough", [3.0, -3.0], ids=["climbing", "declining"])
 def test_no_sample_beats_a_box_of_everything(trough: float) -> None:
     scene = scene_with(amplitude=1.1e-3)
@@ -125,20 +119,6 @@ def test_wider_bands_never_help(box: Boxed, factor: float) -> None:
     assert outer.found_min <= inner.found_min + slack[0]
     assert outer.found_max >= inner.found_max - slack[1]
     assert outer.regimes >= inner.regimes
-
-
-@examples(15)
-@given(boxes(forward=True, drifts=True), st.floats(0.2, 5.0))
-def test_speeds_go_with_the_scale_of_length(box: Boxed, scale: float) -> None:
-    small, large = (
-        vibro.guarantee(
-            replaced(box.scene, amplitude=box.scene.scale / k**2, frequency=box.scene.frequency * k),
-            **(box.bands | {"amplitude": tuple(end / k**2 for end in box.span("amplitude"))}),
-        )
-        for k in (1.0, scale)
-    )
-    assert large.found_min * scale == pytest.approx(small.found_min, rel=1e-8, abs=1e-12)
-    assert large.found_max * scale == pytest.approx(small.found_max, rel=1e-8, abs=1e-12)
 
 
 @pytest.mark.parametrize("trough", [3.0, -3.0], ids=["climbing", "declining"])

@@ -95,15 +95,6 @@ def test_no_sample_of_a_box_is_beyond_its_guarantee(
             assert there == pytest.approx(speed_there, rel=1e-12, abs=tiny)
 
 
-def test_the_mirrored_box_has_the_mirrored_guarantee() -> None:
-    bands = {"static_friction": (0.35, 0.45), "frequency": (24.5, 25.5)}
-    beta = math.radians(3.0)
-    ahead = vibro.guarantee(scene(trough_angle=beta), **bands)
-    back = vibro.guarantee(scene(trough_angle=-beta, normal_phase=BASE["normal_phase"] + math.pi), **bands)
-    assert back.found_min == pytest.approx(-ahead.found_max, rel=1e-8)
-    assert back.found_max == pytest.approx(-ahead.found_min, rel=1e-8)
-
-
 def test_costs_are_what_small_changes_change() -> None:
     costs = speed_costs(scene())
     speed = float(vibro.solve(scene()).mean_velocity)

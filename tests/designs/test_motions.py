@@ -165,19 +165,6 @@ def test_windows_end_where_parts_slip_back_or_are_too_slow() -> None:
     assert parts(window.high * (1.0 + 1e-6)).regime.max() == Regime.BACK_SLIP
 
 
-def test_yields_are_those_of_the_ellipse(monkeypatch: pytest.MonkeyPatch) -> None:
-    for end in ("_FIRST", "_LAST"):
-        monkeypatch.setattr(f"vibro.designs.windows.{end}", 12)
-    asked: dict[str, Any] = {
-        "highest_regime": "back-slip",
-        "static_friction": (0.3, 0.5),
-        "frequency": (21, 23),
-    }
-    oval, wave = (vibro.yield_share(scene, 0.064, **asked) for scene in (ELLIPSE, ONE))
-    assert 0.1 < oval[0] < 0.9
-    assert wave == pytest.approx(oval, abs=1e-4)
-
-
 @pytest.mark.parametrize(("motion", "frequency"), [(STEPS, 2.0), (WAVE, 22.0), drawn(4), drawn(7)])
 def test_changes_are_where_the_regime_changes(motion: vibro.Motion, frequency: float) -> None:
     """Just below and just above each load the solver's regime is another one; at it, the lower one."""

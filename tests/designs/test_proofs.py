@@ -23,7 +23,6 @@ from vibro.designs.proofs import (
     onset_load,
     steeper_is_slower,
     tip_load,
-    tip_ratio,
 )
 from vibro.designs.spaces import uncertainty_set
 from vibro.limits import critical_loads, critical_loads_of_lines, tipping_load_of_lines
@@ -222,23 +221,3 @@ def test_a_steeper_trough_is_slower_where_friction_is_below_its_slope(
     scene = scene_with(static_friction=0.5, kinetic_friction=0.4)
     box = uncertainty_set(scene, {"static_friction": (0.5, friction), "trough_angle": tuple(troughs)})
     assert steeper_is_slower(box) is slower
-
-
-@pytest.mark.parametrize("regime", [Regime.FORWARD_SLIP, Regime.BACK_SLIP, Regime.HOPPING])
-def test_ratios_of_an_ellipse_in_phase_are_those_of_its_line(regime: Regime) -> None:
-    frictions: dict[str, Any] = {"frequency": 15.0, "static_friction": 0.6, "kinetic_friction": 0.5}
-    bands: dict[str, Any] = {
-        "static_friction": (0.5, 0.7),
-        "friction_ratio": (0.7, 0.9),
-        "frequency": (14.0, 16.0),
-    }
-    bands["trough_angle"] = (-0.02, 0.05)
-    line = uncertainty_set(scene_with(**frictions), bands)
-    x, y = 1e-3 * math.cos(math.radians(20.0)), 1e-3 * math.sin(math.radians(20.0))
-    ellipse = uncertainty_set(Scene(along_amplitude=x, normal_amplitude=y, **frictions), bands)
-    for ratio in (first_ratio, last_ratio):
-        assert ratio(ellipse, regime) == pytest.approx(ratio(line, regime), rel=1e-6)
-    assert first_ratio(line, regime) > 1.1 * last_ratio(line, regime)
-    assert tip_ratio(ellipse, 0.4) == pytest.approx(tip_ratio(line, 0.4), rel=1e-6)
-    assert tip_ratio(ellipse, math.inf) == tip_ratio(line, math.inf) == tip_ratio(line, 9.0) == 0.0
-    assert tip_ratio(line, 0.4) == pytest.approx(float(line.load[1] / tip_load(line, 0.4)))

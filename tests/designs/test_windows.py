@@ -127,19 +127,6 @@ def test_hopping_bodies_are_followed_up_to_the_limit() -> None:
     assert_guarantees(NUT, 0.14, interval, Regime.HOPPING, {})
 
 
-@examples(5)
-@given(boxes(), st.floats(0.2, 5.0))
-def test_amplitudes_go_with_the_scale_of_length(box: Boxed, scale: float) -> None:
-    speed = 0.01
-    small = vibro.feasible_amplitudes(box.scene, speed)
-    large = vibro.feasible_amplitudes(
-        replaced(box.scene, frequency=box.scene.frequency * scale), speed / scale
-    )
-    assert [i[2:] for i in small] == [i[2:] for i in large]
-    ends = [end for i in small for end in i[:2]]
-    assert [end * scale**2 for i in large for end in i[:2]] == pytest.approx(ends, rel=1e-9)
-
-
 class Scan(NamedTuple):
     """A scene that is solved at many amplitudes, both amplitudes of an ellipse in their proportion."""
 
@@ -238,20 +225,6 @@ def test_an_ellipse_may_throw_bodies_forward_that_do_not_slip_forward(
     assert found
     assert np.all(scan.speeds([end for i in found for end in i[:2]]) >= speed)
     assert feasible_amplitudes(scene, speed, limit=0.99 * slips) == []
-
-
-def test_an_ellipse_that_is_a_line_has_the_lines_amplitudes() -> None:
-    x, y = math.cos(math.radians(20.0)), math.sin(math.radians(20.0))
-    same = vibro.Scene(
-        along_amplitude=7e-3 * x, normal_amplitude=7e-3 * y, frequency=15.0, static_friction=0.74,
-        kinetic_friction=0.57,
-    )  # fmt: skip
-    for highest in ("forward-slip", "back-slip", "hopping"):
-        lines = feasible_amplitudes(NUT, 0.02815, highest_regime=highest, limit=4e-3)
-        found = feasible_amplitudes(same, 0.02815, highest_regime=highest, limit=4e-3 * x)
-        assert [i[2:] for i in found] == [i[2:] for i in lines]
-        ends = [end * x for i in lines for end in i[:2]]
-        assert [end for i in found for end in i[:2]] == pytest.approx(ends, rel=1e-11)
 
 
 def test_bands_and_drift_of_an_ellipse_are_guaranteed() -> None:

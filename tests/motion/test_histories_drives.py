@@ -11,14 +11,12 @@ from engines.integrated import LEAST_BOUNCE, TURN, Body
 from helpers.cases import each
 from helpers.reference_tables import CONTACT, columns_of, read_rows, read_table, scene_of
 from helpers.scenes import GRAVITY, Groups, driven
-from hypothesis import given
-from hypothesis import strategies as st
 
 import vibro
 from vibro.motion.settled import cycle_phases, settled_motion
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    pass
 
 EPS = float(np.finfo(float).eps)
 FREQUENCY = 15.0
@@ -205,41 +203,6 @@ def test_the_first_arrival_is_that_of_the_history(name: str) -> None:
         assert history.sample(time).position == pytest.approx(length, rel=1e-11)
         before = history.sample(np.linspace(0.0, time * (1.0 - 1e-9), 2_001)).position
         assert before.max() < length
-
-
-@st.composite
-def drawn(draw: Callable[[st.SearchStrategy[float]], float]) -> tuple[Groups, float]:
-    """Draw groups of contact and of hops, and a lead."""
-    drive = draw(st.floats(5.0, 80.0))
-    mu_s = draw(st.floats(0.1, 1.0))
-    trough = draw(st.sampled_from((0.0, -5.0, 4.0)))
-    throw = draw(st.sampled_from((0.4, 0.9, 1.05, 1.6, 2.8)))
-    load = throw * math.cos(math.radians(trough)) / math.sin(math.radians(drive))
-    lead = draw(st.floats(-math.pi, math.pi))
-    return Groups(load, drive, mu_s, mu_s * draw(st.floats(0.3, 1.0)), trough), lead
-
-
-@given(drawn())
-def test_from_the_other_end_the_motion_is_reversed(values: tuple[Groups, float]) -> None:
-    groups, lead = values
-    a, w = units(groups)
-    one = vibro.simulate(
-        driven(groups, math.degrees(lead)), cycles=4, start_phase=0.4, start_velocity=0.1 * a * w
-    )
-    other = vibro.simulate(
-        driven(groups._replace(trough_deg=-groups.trough_deg), math.degrees(lead) - 180.0),
-        cycles=4,
-        start_phase=0.4 + math.pi,
-        start_velocity=-0.1 * a * w,
-    )
-    reverse = str.maketrans("FB", "BF")
-    kinds = ["".join(p.kind for p in history.phases) for history in (one, other)]
-    assert kinds[0] == kinds[1].translate(reverse)
-    times = np.linspace(0.0, one.end, 97)
-    forth, back = one.sample(times), other.sample(times)
-    assert forth.position == pytest.approx(-back.position, abs=1e-11 * a)
-    assert forth.gap == pytest.approx(back.gap, abs=1e-11 * a)
-    assert forth.trough_along == pytest.approx(-back.trough_along, abs=1e-13 * a)
 
 
 def test_a_trough_that_only_rises_and_falls_moves_no_body() -> None:

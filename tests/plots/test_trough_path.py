@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from matplotlib.colors import to_rgb
 from matplotlib.text import Annotation
 
 import vibro
 from vibro.motion.histories import trace
-from vibro.plots.history import PHASE_COLOURS, choose_panels, history_figure
+from vibro.plots.history import choose_panels, history_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -61,28 +60,3 @@ def test_the_path_is_the_ellipse_of_the_last_cycle(degrees: float) -> None:
     head, tail = np.array(arrow.xy), np.array(arrow.xyann)
     turns = float(tail[0] * head[1] - tail[1] * head[0])
     assert np.sign(turns) == (0.0 if degrees == 180.0 else -np.sign(degrees)) or abs(turns) < 1e-12
-
-
-@pytest.mark.parametrize(("normal", "degrees"), [(0.3, -60.0), (0.8, -170.0)])
-def test_events_lie_where_the_trough_is_then(normal: float, degrees: float) -> None:
-    history, figure = draw(normal, degrees)
-    axes = figure.axes[-1]
-    since = 2.0 / FREQUENCY
-    marks = [line for line in axes.lines if line.get_linestyle() == "None"]
-    drawn = np.concatenate([np.asarray(line.get_xydata()) for line in marks])
-    events = [
-        t
-        for p in history.phases
-        for t, meant in (
-            (p.start, p.kind in "FB" and p.start_velocity == 0.0),
-            (p.end, p.kind == "H" or (p.kind in "FB" and p.end_velocity == 0.0)),
-        )
-        if meant and since < t < history.end
-    ]
-    at = history.sample(sorted(events))
-    expected = 1e3 * np.column_stack((at.trough_along, at.trough_normal))
-    assert len(drawn) == len(expected) > 0
-    order = [np.lexsort(points.T) for points in (drawn, expected)]
-    assert drawn[order[0]] == pytest.approx(expected[order[1]], abs=1e-9)
-    bands = {to_rgb(line.get_color()) for line in axes.lines if line.get_alpha()}
-    assert bands == {to_rgb(PHASE_COLOURS[p.kind]) for p in history.phases if p.end > since}
