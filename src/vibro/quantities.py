@@ -283,7 +283,7 @@ _ALL: Final = (
              "coefficient of friction while sliding, at most the static one",
              usual=Range(high=2.0), slips=_FRICTIONS),
     Quantity("trough_angle", ANGLE, "beta", r"\beta", ("--trough-angle",),
-             Range(-90.0, 90.0, with_low=False), "inclination of the trough, > 0 uphill", 0.0),
+             Range(-90.0, 90.0, with_low=False), "inclination of the trough (> 0 uphill)", 0.0),
     Quantity("gravity", ACCELERATION, "g", "g", ("gravity",), POSITIVE, "acceleration of gravity",
              STANDARD_GRAVITY, Range(1.0, 100.0), 2 * ("it is in m/s^2, 9.81 on Earth",)),
     Quantity("normal_acceleration", ACCELERATION, "P", "N/m", ("normal_acceleration",), POSITIVE,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.answers.answer import METRES_PER_MINUTE, Answer, Fact, Table, bound, shown
+from vibro.answers.answer import METRES_PER_MINUTE, NO_BOUNCE, Answer, Fact, Table, bound, shown
 from vibro.answers.scene import scene_record, scene_text, several_motions
 from vibro.core.codes import Regime
 from vibro.designs.guarantees import counted
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
 _MOST_ROWS: Final = 20  # of the table: irregular hops may give hundreds of slivers
 _SAMPLES: Final = 4097  # amplitudes that are tried where none is fast enough
+_WIDE: Final = 1.01  # end over beginning of a range in which a drive can be set
 _LOOKED_AT: Final = 33  # amplitudes of an interval at which other motions are looked for
 _LEAST: Final = 1e-6  # of the largest of them, where parts start at once or hop
 _MOST: Final = 1e3  # times the largest critical load, where parts never hop
@@ -179,6 +180,8 @@ def target_answer(request: Request, speed: float, asked: str, *, hopping: bool) 
             f"hops are sampled at {count} sizes up to throw number {MOST_DESIGN_THROW:g}: between two of them"
             " a part may be slower, or fast enough; irregular ones count with 3 standard errors less"
         )
+        if not drive.scene.restitution:
+            notes.append(f"{NO_BOUNCE}; --restitution changes that")
     if not found:
         text = f"none reaches {asked} {where}"
         size, speed_there = drive.best(limit)
@@ -191,6 +194,10 @@ def target_answer(request: Request, speed: float, asked: str, *, hopping: bool) 
         return Answer([Fact(quantity.label, text), rare], (), notes, record, title)
     if request.length is not None:
         notes.insert(0, f"over {request.length:.10g} mm that takes {shown(request.length / speed)} s")
+    wide = next((x for x in found if x.high >= _WIDE * x.low), None)
+    if wide not in (None, found[0]):
+        start = f"{_rounded(wide, name, share)[0]} {quantity.unit}".rstrip()
+        notes.insert(0, f"the first range is narrow: the first that is wider than 1 % begins at {start}")
     kept = sorted(found, key=lambda i: i.low / i.high)[:_MOST_ROWS]
     if len(kept) < len(found):
         notes.append(f"and {len(found) - len(kept)} narrower ones, where hops are irregular: --json has all")

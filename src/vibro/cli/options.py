@@ -284,7 +284,7 @@ def _shared_parameters(
     files: str, forms: Sequence[str], first: Sequence[str], *, of_scene: bool, prints: bool
 ) -> list[inspect.Parameter]:
     """Make the parameters of a command that are shared: arguments, quantities, and fields of ``Options``."""
-    text = "Files; other quantities, such as gravity=3.7."
+    text = "Files; other quantities, such as gravity=3.7." if of_scene else "Files."
     metavar = f"{files}{' [NAME=VALUE]...' if of_scene else ''}"
     argument = typer.Argument(metavar=metavar, help=text, show_default=False, hidden=True)
     left_out = {*([] if of_scene else ["pack"]), *([] if prints else _OF_ANSWER)}

@@ -204,8 +204,8 @@ def tell_peaks(tally: Tally, grid: Grid, console: Console) -> None:
         console.echo(f"{name.replace('_', ' ')}: {peak_text(peak, grid.given_axes)}")
         motion = {} if grid.motion is None else {"motion": grid.motion.motion}
         load = float(f"{float(Scene(**scene_fields({**peak.values, **motion})).load):.4g}")
-        if doubt := LOAD.doubt(load, load):
-            console.warn(f"there the {doubt}")
+        if load > (usual := LOAD.usual.high):
+            console.warn(f"there the acceleration is {load:g} g; usual are up to {usual:g} g")
 
 
 def peak_text(peak: Peak, axes: Mapping[str, Axis]) -> str:
