@@ -157,18 +157,6 @@ def test_a_slip_stick_conveyor_of_steps() -> None:
         assert t.amplitude == pytest.approx(float(conveyor().reach) * t.scales[0], rel=1e-14)
 
 
-def test_a_clamped_part_on_a_vertical_track() -> None:
-    def at(scale: float) -> Scene:
-        return conveyor(scale, normal_acceleration=60.0, trough_angle=math.pi / 2)
-
-    loads, now = vibro.critical_loads(at(1.0)), float(at(1.0).load)
-    assert float(loads.forward_onset) / now == pytest.approx((0.3 * 60.0 + 9.81) / 9.6, rel=1e-14)
-    assert float(loads.back_onset) / now == pytest.approx((0.3 * 60.0 - 9.81) / 2.4, rel=1e-14)
-    assert check_ends(at, 1e5) >= 2
-    weaker = vibro.critical_loads(conveyor(normal_acceleration=60.0, trough_angle=math.pi / 2, gravity=1.0))
-    assert float(weaker.forward_onset) == pytest.approx((0.3 * 60.0 + 1.0), rel=1e-13)
-
-
 # --------------------------------------------------------------------------------------------- tipping
 
 

@@ -157,20 +157,6 @@ def test_the_load_is_the_largest_acceleration_and_the_reach_the_farthest_point(h
     np.testing.assert_array_equal(scene.scale, size.max(axis=(0, 1)))
 
 
-def test_many_paths_are_measured_as_each_alone() -> None:
-    """More than are searched at a time, of a shape that amplitudes and phases give together; and none."""
-    random = np.random.default_rng(5)
-    size, phase = random.uniform(0.1e-3, 1e-3, (3, 40, 1)), random.uniform(-4.0, 4.0, (3, 30))
-    common = {"frequency": 20.0, "static_friction": 0.4, "kinetic_friction": 0.3}
-    scene = Scene(along_harmonics=list(zip(size, phase, strict=True)), **common)
-    assert scene.shape == (40, 30)
-    for i, j in ((0, 0), (11, 11), (20, 7), (39, 29)):
-        one = Scene(along_harmonics=list(zip(size[:, i, 0], phase[:, j], strict=True)), **common)
-        assert (float(one.load), float(one.reach)) == (scene.load[i, j], scene.reach[i, j])
-    none = Scene(along_harmonics=list(zip(size[:, :0], phase, strict=True)), **common)
-    assert none.load.shape == none.reach.shape == (0, 30)
-
-
 @pytest.mark.parametrize(
     "drive",
     [

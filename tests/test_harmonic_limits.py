@@ -1,4 +1,4 @@
-"""Drives with harmonics: symmetries, thresholds from just below to just above, statuses, other motions."""
+"""Drives with harmonics: symmetries, statuses, other motions."""
 
 from __future__ import annotations
 

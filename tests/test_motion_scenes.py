@@ -63,19 +63,6 @@ def test_accelerations_of_steps_stay_where_the_frequency_changes() -> None:
     assert pickle.loads(pickle.dumps(scene)).shape == (2, 2)
 
 
-def test_a_clamped_body_has_the_loads_of_its_force() -> None:
-    """A body that is pressed on with its own weight moves as one that lies on a level trough."""
-    clamped = Scene(along_harmonics=PAIRS, normal_acceleration=[9.81, 20.0], motion_scale=8.0, **REST)
-    free = Scene(along_harmonics=PAIRS, motion_scale=8.0, **REST)
-    a, b = solve(clamped), solve(free)
-    assert a.displacement_per_cycle[0] == pytest.approx(float(b.displacement_per_cycle), rel=1e-13)
-    # twice the force is as half of all accelerations
-    pressed = Scene(along_harmonics=PAIRS, motion_scale=8.0 * 9.81 / 20.0, **REST)
-    expected = float(solve(pressed).displacement_per_cycle) * 20.0 / 9.81
-    assert a.displacement_per_cycle[1] == pytest.approx(expected, rel=1e-12)
-    assert abs(expected) > 1e-4
-
-
 @pytest.mark.parametrize("count", [1, 2, 3, 8])
 def test_the_stroke_of_harmonics_is_the_widest_pair_of_points(count: int) -> None:
     rng = np.random.default_rng(count)

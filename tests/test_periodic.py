@@ -124,6 +124,3 @@ def test_arrivals(row: dict[str, str]) -> None:
     time = float(vibro.arrival_time(scene_of(row), float(row["length_m"])))
     expected = float(row["arrival_time_s"])
     assert time == expected or abs(time - expected) <= 1e-10 * expected
-
-
-# ------------------------------------------------------------------------------- classes by the scale

@@ -1,9 +1,8 @@
-"""Scales and extremes: similarity, and the limits in which the answer is known."""
+"""Extremes: what is refused, and the limits in which the answer is known."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -20,9 +19,6 @@ from vibro import (
     solve,
     transitions,
 )
-
-if TYPE_CHECKING:
-    pass
 
 
 def test_a_drive_along_a_level_trough_conveys_nothing() -> None:

@@ -117,14 +117,6 @@ def test_the_error_of_a_mean_is_that_of_the_displacement_times_the_frequency() -
 # --- shapes -----------------------------------------------------------------------------------------
 
 
-def test_a_scene_without_a_shape_gives_scalars() -> None:
-    cycle = solve(scene_with())
-    for name in FIELDS:
-        assert np.ndim(getattr(cycle, name)) == 0
-    assert float(cycle.mean_velocity) == pytest.approx(0.016263456166287, rel=1e-13)
-    assert f"{cycle.pattern} {cycle.model}" == "F_ one-slide"
-
-
 @pytest.mark.parametrize("shape", [(0,), (3, 0), (0, 4)])
 def test_an_empty_scene_gives_empty_arrays(shape: tuple[int, ...]) -> None:
     cycle = solve(scene_with(amplitude=np.empty(shape)))
@@ -163,9 +155,6 @@ def test_parts_that_hop_leave_no_seam(monkeypatch: pytest.MonkeyPatch) -> None:
     parts = solve(scene)
     for name in FIELDS:
         assert np.array_equal(getattr(parts, name), getattr(whole, name), equal_nan=True), name
-
-
-# --- regimes alone ----------------------------------------------------------------------------------
 
 
 # --- traverse time ----------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""Steady cycles of steps and of samples: closed forms, a walk of uniform accelerations, and harmonics."""
+"""Steady cycles of steps and of samples: a walk of uniform accelerations, and harmonics."""
 
 from __future__ import annotations
 

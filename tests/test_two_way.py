@@ -50,12 +50,6 @@ def test_a_body_that_sticks_is_mass_of_the_trough(more: dict[str, float]) -> Non
     assert found.speed == 0.0
 
 
-def test_so_heavy_a_body_that_it_jams_is_refused() -> None:
-    body = two_way.Body(mass=30.0, drive_angle=0.3, static_friction=2.0, kinetic_friction=2.0)
-    with pytest.raises(ValueError, match="jams"):
-        two_way.follow(two_way.Machine(**FEEDER), body)
-
-
 # --- the force of a filling on a trough that moves as prescribed ----------------------------------------
 
 

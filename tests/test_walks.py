@@ -1,4 +1,4 @@
-"""Walks of tests/engines: right on every reference row, alike, and as the package in random scenes."""
+"""Walks of tests/engines: right on every reference row, and as the package in random scenes."""
 
 from __future__ import annotations
 

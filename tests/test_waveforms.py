@@ -126,17 +126,6 @@ def test_harmonics_that_are_noise_are_left_out() -> None:
     assert min(orders) == 3
 
 
-def test_the_reach_and_the_stroke_of_two_levels() -> None:
-    """Levels a and -b for shares s and 1 - s: the stroke is a s^2 / 8 + b (1 - s)^2 / 8."""
-    motion = steps(along=SLIP_STICK)
-    stroke = 6.9 * 0.8**2 / 8.0 + 27.6 * 0.2**2 / 8.0
-    assert motion.stroke == pytest.approx(stroke, rel=1e-14)
-    assert motion.largest_acceleration == pytest.approx(27.6, rel=1e-15)
-    fine = motion_at(motion, np.arange(100_000) / 100_000)
-    assert motion.reach == pytest.approx(np.abs(fine[0]).max(), rel=1e-8)
-    assert np.abs(fine.mean(axis=1)).max() <= 1e-9 * stroke
-
-
 def motion_at(motion: PiecewiseMotion, shares: Any) -> Any:
     from vibro.drives import values_at
 

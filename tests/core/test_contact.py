@@ -17,12 +17,10 @@ from helpers.contact_loads import (
     line,
     random_ellipses,
     random_lines,
-    random_loads,
 )
 from helpers.scenes import Groups
 from helpers.two_axis_scenes import rotated
 
-from vibro.core import contact as module
 from vibro.core.codes import PATTERNS, Model, Pattern, Regime, Status
 from vibro.core.contact import (
     ContinuousSliding,
@@ -48,11 +46,6 @@ if TYPE_CHECKING:
 
 def steady(loads: Loads) -> Steady:
     return steady_cycle(loads, thresholds(loads))
-
-
-def slips_both_ways(loads: Loads) -> bool:
-    at = thresholds(loads)
-    return at.forward and at.back
 
 
 def at_load(groups: Groups, load: float) -> Loads:
@@ -259,53 +252,6 @@ def test_running_away_exists_from_the_angle_of_kinetic_friction_on(way: float) -
             cycle = steady(line(20.0, weight, 2.0, 1.0, way * 45.0 * share))
             assert cycle.status in (Status.OK, Status.BOUNDARY)
             assert cycle.coexists == flag
-
-
-# ------------------------------------------------------------------------------- which slide comes first
-
-
-def assert_walked(loads: Loads) -> None:
-    """Compare the cycle from rest with the walk."""
-    cycle, walked = steady(loads), settled(body_of(loads))
-    weight = math.hypot(loads.weight_normal, loads.weight_tangential)
-    assert rotated(PATTERNS[cycle.pattern]) == walked.pattern
-    assert cycle.displacement == pytest.approx(weight * walked.displacement, abs=1e-9)
-    assert cycle.peak == pytest.approx(weight * walked.peak, abs=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("pattern", "values"),
-    [
-        ("F_B", (0.1605, 1.0, 1.46, 1.058, 0.2289, 0.02097, -0.01991)),
-        ("B_", (0.07688, 1.0, 1.536, 1.014, 0.07485, 0.006354, 0.006354)),
-        ("FB", (0.0704, 1.0, 1.957, 1.005, 0.08489, 0.01222, -0.01028)),
-    ],
-)
-def test_where_cycles_coexist_the_body_gets_the_one_it_comes_to_from_rest(
-    pattern: str, values: tuple[float, ...]
-) -> None:
-    # the first slide from rest goes back in the first two; forward first the former would be F_
-    loads = ellipse(*values)
-    cycle = steady(loads)
-    assert (PATTERNS[cycle.pattern], cycle.status, cycle.coexists) == (pattern, Status.OK, 1)
-    assert cycle.regime == Regime.BACK_SLIP
-    assert_walked(loads)
-
-
-def test_not_both_slides_from_rest_outlast_the_opposite_window() -> None:
-    # where friction holds a sliding body; on steeper troughs both may, and pushed bodies slide for ever
-    outlasting = {"F": 0, "B": 0}
-    for some in random_loads(4_000, 16, steepest=0.03):
-        loads = some._replace(kinetic_friction=0.1 * some.kinetic_friction)
-        weight = abs(loads.weight_tangential)
-        if weight > loads.kinetic_friction * loads.weight_normal or not slips_both_ways(loads):
-            continue
-        pair = pair_of(loads, thresholds(loads))
-        forward, back = outlasts_back(pair) > 0, outlasts_back(module._mirrored_pair(pair)) > 0
-        assert not (forward and back), loads
-        outlasting["F"] += forward
-        outlasting["B"] += back
-    assert min(outlasting.values()) > 100
 
 
 # ------------------------------------------------------------------------------

@@ -34,7 +34,6 @@ if TYPE_CHECKING:
 
 
 TURN = 2.0 * math.pi
-LETTERS = " HFB_"
 ROWS = 20_000
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
@@ -319,13 +318,7 @@ def test_a_rest_that_ends_where_the_drive_s_cycle_begins_counts_that_cycle() -> 
 
 
 # ------------------------------------------------------------------------------
-# Histories: legs that join, the cycle that stands for its repeats, and where it is looked for.
-
-
-def _kinds(found: Followed, legs: Legs) -> tuple[str, str]:
-    """Spell the transient and the cycle."""
-    text = "".join(LETTERS[legs.mode[i]] for i in range(found.number))
-    return text[: found.first], text[found.first :]
+# Histories: legs that join, and where the cycle that repeats is looked for.
 
 
 def _start(legs: Legs, row: int) -> float:
@@ -352,47 +345,6 @@ def _assert_joined(found: Followed, legs: Legs) -> None:
         if legs.mode[i] != Mode.FLIGHT:
             assert abs(legs.end_velocity[i] - legs.velocity[then]) <= (1e-10 if turns else 0.0)
             assert legs.impact[i] == legs.rate[i] == 0.0
-
-
-@pytest.mark.parametrize(
-    ("name", "cycle", "period"),
-    [
-        ("F_", "F_", 1),
-        ("F_B_", "F_B_", 1),
-        ("FB_", "FB_", 1),
-        ("BF_", "BF_", 1),
-        ("B_", "B_", 1),
-        ("FB", "FB", 1),
-        ("FB uphill", "FB", 1),
-        ("ellipse F_B_", "F_B_", 1),
-        ("ellipse FB", "FB", 1),
-        ("hops, HFB", "HFB", 1),
-        ("hops, HB", "HB", 1),
-        ("hops, HHB", "HHB", 2),
-        ("hops, HHH", "HHH", 5),
-        ("hops, ellipse", "HB_F", 1),
-    ],
-)
-def test_the_stored_cycle_is_what_walking_on_would_find(name: str, cycle: str, period: int) -> None:
-    loads, restitution = ALL[name]
-    found, legs = history_of(loads, restitution, 1e9)
-    assert found.number < 2_000
-    spelt = _kinds(found, legs)[1]
-    assert len(spelt) == len(cycle)
-    assert spelt in 2 * cycle
-    assert found.period == period
-    size = found.number - found.first
-    walk = [
-        w for w in walked(course_of(loads, restitution), 0.0, 0.0, found.number + 4 * size) if w[1].length
-    ]
-    assert len(walk) > found.first + 3 * size
-    for i in range(found.first, len(walk)):
-        count, row = divmod(i - found.first, size)
-        at, leg, row = *walk[i], found.first + row
-        assert (at.mode, at.cycle) == (legs.mode[row], legs.cycle[row] + count * found.period)
-        assert at.phase == pytest.approx(legs.phase[row], abs=1e-10)
-        assert at.position == pytest.approx(legs.position[row] + count * found.advance, abs=1e-10)
-        assert leg.length == pytest.approx(legs.length[row], abs=1e-10)
 
 
 def test_a_cycle_that_starts_with_the_drive_s_lasts_one_turn() -> None:

@@ -35,9 +35,6 @@ def _solved(loads: Loads, restitution: float = 0.0) -> Hopping:
     return hopping(loads, restitution, FLIGHTS, HOPS)
 
 
-# ------------------------------------------------------------------------------- limits
-
-
 # ------------------------------------------------------------------------------- statuses
 
 
@@ -137,9 +134,6 @@ def test_means_are_those_of_a_body_walked_for_long() -> None:
         share = (parts[-1][2] - parts[0][2]) / (parts[-1][1] - parts[0][1])
         assert means.flight_fraction == pytest.approx(share, abs=0.02)
         assert means.peak == pytest.approx(peak / unit(loads), rel=0.25)
-
-
-# ------------------------------------------------------------------------------- gains and balance
 
 
 # ------------------------------------------------------------------------------

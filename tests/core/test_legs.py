@@ -1,4 +1,4 @@
-"""Slides of one harmonic and of waves beside meshes and 40 digits, and one harmonic as waves."""
+"""Slides of one harmonic and of waves beside meshes and 40 digits."""
 
 from __future__ import annotations
 
@@ -169,7 +169,7 @@ def test_at_zero_velocity_the_loads_decide_and_equality_is_rest() -> None:
 
 
 # ------------------------------------------------------------------------------
-# Slides under any periodic load: stops beside a dense mesh, limits, endless ones; one harmonic as waves.
+# Slides under any periodic load: stops beside a dense mesh, limits, endless ones.
 
 
 INF = math.inf
@@ -285,6 +285,3 @@ def test_slides_end_if_friction_holds_more_than_gravity_pulls(pieces: bool) -> N
             else:
                 limited = body.slide(1.0, speed, 50.0)
                 assert (limited.length, limited.stopped) == (50.0, False)
-
-
-# ------------------------------------------------------------------------------- one harmonic

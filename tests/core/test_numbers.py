@@ -1,4 +1,4 @@
-"""Signs, series, roots and the motion between two events: beside mpmath and quadrature."""
+"""Signs, series and the motion between two events: beside mpmath and quadrature."""
 
 from __future__ import annotations
 

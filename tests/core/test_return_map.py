@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import random
-from typing import TYPE_CHECKING
 
 import pytest
 from helpers.cases import each
@@ -35,10 +34,6 @@ from vibro.core.return_map import (
     write_hop,
 )
 
-if TYPE_CHECKING:
-    pass
-
-
 TURN = 2.0 * math.pi
 
 SCENES = [
@@ -64,9 +59,6 @@ def _returned(scene: Drawn, motion: Bounces, velocity: float) -> Return:
     last = motion.first + motion.count
     track = track_of(scene.loads, scene.restitution)
     return return_map(track, HOPS, motion.first, last, motion.landing, motion.rest, velocity)
-
-
-# ------------------------------------------------------------------------------- hops
 
 
 # ------------------------------------------------------------------------------- one cycle

@@ -221,9 +221,6 @@ def test_the_gentlest_setting_beside_a_jump_over_the_drive_angle_is_found() -> N
     assert load <= 0.736003376 * (1 + 1e-9)  # a setting that another search has found
 
 
-# ------------------------------------------------------------------------------ margins and scenarios
-
-
 # ------------------------------------------------------------------------------------------ ellipses
 
 FREQUENCY, FRICTION = 25.0, 0.3

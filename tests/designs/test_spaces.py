@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from vibro import solve
 from vibro.designs.questions import Drift
 from vibro.designs.spaces import SPACES, Setting, UncertaintySet, inside
 from vibro.drives import Ellipse, Line
@@ -139,25 +138,3 @@ def test_points_have_the_coordinates_that_they_were_made_of(box: Any, is_ratio: 
     if not is_ratio:
         expected[-2, 0] = 0.0  # at the least static friction there is one kinetic friction alone
     np.testing.assert_allclose(made.coordinates(made.points(shares)), expected, atol=1e-14)
-
-
-@pytest.mark.parametrize("share", [0.0, 0.2, 0.6, 1.0])
-def test_one_load_is_fast_at_its_lowest_frequency_and_slow_at_its_highest(share: float) -> None:
-    box = line_box()
-    points = box.points(np.full((6, 1), share))
-    weight = float(points.load[0]) * 9.81 / TURN**2  # A f^2
-    lowest = max(12.0, math.sqrt(weight / 1.5e-3))
-    highest = min(15.0, math.sqrt(weight / 1e-3))
-    for fast, frequency in ((True, lowest), (False, highest)):
-        scene = box.scene(points, fast=fast)
-        fields: Any = scene.arrays()
-        assert float(fields.frequency[0]) == pytest.approx(frequency, rel=1e-12)
-        assert float(fields.amplitude[0]) == pytest.approx(weight / frequency**2, rel=1e-12)
-        assert 1e-3 <= fields.amplitude[0] <= 1.5e-3
-        assert float(scene.load[0]) == pytest.approx(float(points.load[0]), rel=1e-12)
-        assert (float(scene.gravity), scene.restitution.tolist()) == (
-            9.81,
-            pytest.approx([0.2 + 0.1 * share]),
-        )
-    speeds = [float(solve(box.scene(points, fast=fast)).mean_velocity[0]) for fast in (True, False)]
-    assert abs(speeds[0]) >= abs(speeds[1]) * (1 - 1e-12)

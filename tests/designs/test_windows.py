@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 import vibro
 from vibro import Regime, SceneError, feasible_amplitudes, solve
-from vibro.designs import windows
 from vibro.designs.guarantees import guarantee_of
 from vibro.designs.questions import Question
 from vibro.designs.reading import read_spec
@@ -90,17 +89,6 @@ def test_forward_slip_is_guaranteed_in_a_box(box: Boxed, percent: float, share: 
     assert_guarantees(scene, speed, interval, Regime.FORWARD_SLIP, box.bands, percent)
 
 
-def test_back_slip_is_guaranteed_in_a_box() -> None:
-    bands: dict[str, Any] = {"static_friction": (0.72, 0.76)}
-    speed = 0.0265
-    intervals = vibro.feasible_amplitudes(NUT, speed, amplitude_percent=1.0, **bands)
-    assert intervals
-    for interval in intervals:
-        assert_guarantees(NUT, speed, interval, Regime.BACK_SLIP, bands, 1.0)
-    assert not any(i.low <= 1.2e-3 <= i.high for i in intervals)
-    assert least(NUT, 1.2e-3, bands, 1.0)[0] < speed
-
-
 def test_what_sets_the_ends() -> None:
     hop = 3.229052215938875e-3
     assert [i[2:] for i in vibro.feasible_amplitudes(NUT, 0.02815)] == [
@@ -119,12 +107,6 @@ def test_what_sets_the_ends() -> None:
     assert forward.high_set_by == "back slip"
     assert vibro.feasible_amplitudes(NUT, 1.0) == []
     assert vibro.feasible_amplitudes(NUT, 0.02, limit=0.5e-3) == []
-
-
-def test_hopping_bodies_are_followed_up_to_the_limit() -> None:
-    (interval,) = vibro.feasible_amplitudes(NUT, 0.14, highest_regime="hopping", limit=4e-3)
-    assert interval[1:] == (4e-3, "speed", "limit")
-    assert_guarantees(NUT, 0.14, interval, Regime.HOPPING, {})
 
 
 class Scan(NamedTuple):
@@ -206,25 +188,6 @@ def test_hops_of_ellipses_are_followed_but_for_slivers() -> None:
             assert scan.speeds(np.nextafter(i.low, 0.0)) < speed
             assert i.high == limit or not scan.speeds(np.nextafter(i.high, 1.0)) >= speed
     assert agree == 3
-
-
-def test_an_ellipse_may_throw_bodies_forward_that_do_not_slip_forward(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Down a decline, nearly at opposite phases, forward slip begins at 1.85 times the load of hopping."""
-    monkeypatch.setitem(windows._ONE_HOPS, True, windows._ONE_HOPS[True]._replace(amplitudes=257))
-    scene = vibro.Scene(
-        along_amplitude=1e-3, normal_amplitude=1.24e-3, normal_phase=-3.137944, frequency=20.0,
-        static_friction=0.60755, kinetic_friction=0.529337, trough_angle=-0.235187, restitution=0.7,
-    )  # fmt: skip
-    slips = 1e-3 * float(vibro.critical_loads(scene).forward_onset / scene.load)
-    scan = Scan(scene, np.linspace(0.5 * slips, 0.99 * slips, 16))
-    speed = 0.5 * fastest(scan.speeds(scan.amplitudes))
-    assert speed > 5e-3
-    found = feasible_amplitudes(scene, speed, highest_regime="hopping", limit=0.84 * slips)
-    assert found
-    assert np.all(scan.speeds([end for i in found for end in i[:2]]) >= speed)
-    assert feasible_amplitudes(scene, speed, limit=0.99 * slips) == []
 
 
 def test_bands_and_drift_of_an_ellipse_are_guaranteed() -> None:

@@ -1,4 +1,4 @@
-"""Time histories: samples, energy, friction, and the way into the steady cycle."""
+"""Time histories: rest for ever, the end on arrival, and phases beyond memory."""
 
 from __future__ import annotations
 

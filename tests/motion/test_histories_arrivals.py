@@ -220,12 +220,3 @@ def test_an_arrival_that_rounding_chooses_is_unknown() -> None:
     assert np.isnan(vibro.arrival_time(scene, 4.56280220557782)).all()
     # the first moments are known
     assert np.isfinite(vibro.arrival_time(scene, 1e-3)).all()
-
-
-def test_infeasible_cells_are_unknown() -> None:
-    scene = vibro.Scene.allowing_infeasible(
-        amplitude=2e-3, frequency=15, drive_angle=0.3, static_friction=[0.2, 0.4], kinetic_friction=0.3
-    )
-    infeasible, feasible = vibro.arrival_time(scene, 0.1)
-    assert math.isnan(infeasible)
-    assert feasible > 0.0

@@ -1,9 +1,9 @@
-"""Histories, settled motion and arrivals of all drives: integrated motion, reference rows, symmetries."""
+"""Histories, settled motion and arrivals of all drives: integrated motion and reference rows."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -14,9 +14,6 @@ from helpers.scenes import GRAVITY, Groups, driven
 
 import vibro
 from vibro.motion.settled import cycle_phases, settled_motion
-
-if TYPE_CHECKING:
-    pass
 
 EPS = float(np.finfo(float).eps)
 FREQUENCY = 15.0

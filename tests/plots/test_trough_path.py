@@ -1,4 +1,4 @@
-"""The path of an elliptical trough: its shape, its way round, and the body's phases and events on it."""
+"""The path of an elliptical trough: its shape and its way round."""
 
 from __future__ import annotations
 
