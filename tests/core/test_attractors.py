@@ -1,4 +1,4 @@
-"""Motions of bodies from many starts."""
+"""Motions of bodies from many starts, and other sliding between the same flights."""
 
 from __future__ import annotations
 
@@ -8,19 +8,35 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from helpers.hopping_bodies import FLIGHTS, HOPS, Drawn, line, unit, walker
+from helpers.hopping_bodies import FLIGHTS, HOPS, Drawn, draw, line, unit, walker
 
 from vibro.core.attractors import Attractors, Survey, survey
 from vibro.core.codes import Status
 from vibro.core.drive import Loads
-from vibro.core.hops import hopping
+from vibro.core.hops import cycle_of, enter, hopping
+from vibro.core.legs import track_of
 from vibro.core.numbers import KNOWN
+from vibro.core.return_map import (
+    HoppingCycle,
+    cycle_from,
+    hopping_cycle,
+    orbit_from,
+    others_on,
+)
 from vibro.core.slides import thresholds
 
 TURN = 2.0 * math.pi
 
 
 LONG_CYCLE = Drawn(line(3.8046065926376924, 20.2169, 0.50327, 0.46190), 0.5)
+
+
+def slides_otherwise(loads: Loads, restitution: float = 0.0) -> bool:
+    """Return whether other velocities repeat along the flights from rest."""
+    track = track_of(loads, restitution)
+    entry = enter(track, restitution, FLIGHTS, HOPS)
+    cycle = cycle_of(track, entry.motion)
+    return others_on(cycle, HOPS, entry.velocity, orbit_from(cycle, HOPS, entry.velocity))
 
 
 def surveyed(
@@ -74,3 +90,42 @@ def test_starts_that_run_away_are_lost_and_told() -> None:
     assert found.runs_away
     assert found.lost + sum(one.starts for one in motions) == 64
     assert math.isnan(found.mean) == (found.lost > 0)
+
+
+# ------------------------------------------------------------------------------- other sliding
+
+
+def _ends(cycle: HoppingCycle) -> list[float]:
+    """Where walks from beyond all fixed points, and between, end; none if one has not ended."""
+    ends = []
+    for share in (-1.0, -0.2, 0.1, 0.5, 1.0):
+        velocity = share * cycle.bound
+        for _ in range(400):
+            before, velocity = velocity, cycle_from(cycle, HOPS, velocity).velocity
+            if abs(velocity - before) < 1e-15:
+                break
+        if abs(velocity - before) > 1e-14:
+            return []
+        ends.append(velocity)
+    return ends
+
+
+@pytest.mark.parametrize(("ellipses", "seed"), [(False, 7), (True, 8)])
+def test_all_other_sliding_is_found(ellipses: bool, seed: int) -> None:
+    several = alone = 0
+    for loads, e in draw(32, seed, throw=(1.01, 2.0), ratio=(0.02, 0.2), ellipses=ellipses):
+        entry = enter(track_of(loads, e), e, FLIGHTS, HOPS)
+        motion = entry.motion
+        if not motion.repeats:
+            continue
+        last, duration = motion.first + motion.count, TURN * motion.cycles
+        cycle = hopping_cycle(track_of(loads, e), motion.first, last, motion.landing, motion.rest, duration)
+        ends = _ends(cycle)
+        if not ends:
+            continue
+        apart = max(ends) - min(ends) > 1e-7
+        assert slides_otherwise(loads, e) == apart
+        several += apart
+        alone += not apart
+    assert several > 1
+    assert alone > 11

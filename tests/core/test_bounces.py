@@ -1,4 +1,4 @@
-"""Bounces: the law of impact, errors from flight to flight, and the work of cycles that flights make."""
+"""Bounces: the law of impact, errors from flight to flight, and the cycles that flights make."""
 
 from __future__ import annotations
 
@@ -20,6 +20,8 @@ from vibro.core.bounces import (
     after_landing,
     bounces,
     propagate,
+    single_bounce,
+    tangent_map,
 )
 from vibro.core.flight import Flight, flight, sinusoidal
 from vibro.core.numbers import LONGEST_CYCLE, MOST_BOUNCES
@@ -155,3 +157,42 @@ def test_the_work_is_bounded_for_any_throw_number(throw: float, restitution: flo
     assert sum(length > BOUNCE for length in lengths) <= MOST_FLIGHTS
     assert all(math.isfinite(length) and length >= 0.0 for length in lengths)
     assert motion.first + motion.count <= MOST_BOUNCES + LONGEST_CYCLE
+
+
+# ------------------------------------------------------------------------------- cycles of one bounce
+
+
+@pytest.mark.parametrize("turns", [1, 2, 3])
+@pytest.mark.parametrize("restitution", [0.5, 0.8, 0.95])
+def test_a_single_bounce_repeats_and_is_stable_as_its_tangent_map_says(
+    turns: int, restitution: float
+) -> None:
+    plus, length = 1.0 + restitution, TURN * turns
+    level, steep = math.pi * turns * (1.0 - restitution) / plus, 2.0 * (1.0 + restitution**2) / plus**2
+    for share, stable in ((1e-3, True), (0.5, True), (0.999, True), (1.001, False), (3.0, False)):
+        throw = math.hypot(level, share * steep)
+        bed = sinusoidal(max(throw, 1.0))._replace(throw=throw)  # a body may bounce on a trough that bears it
+        at = single_bounce(bed, restitution, turns, 0)
+        assert at.exists
+        assert at.stable is stable
+        # it lands with u = 2 pi m / (1 + e) after m turns: Eqs. (30) and (37)
+        assert throw * math.cos(at.phase) == pytest.approx(level)
+        assert at.speed == pytest.approx(restitution * length / plus)
+        height = at.speed * length + throw * length * math.cos(at.phase) - 0.5 * length**2
+        assert height == pytest.approx(0.0, abs=1e-12 * length**2)
+        slopes = tangent_map(bed, restitution, at.phase, Flight(length, length - at.speed))
+        jacobian = np.array(slopes).reshape(2, 2)
+        assert np.linalg.det(jacobian) == pytest.approx(restitution**2)
+        assert stable is bool(abs(np.linalg.eigvals(jacobian)).max() < 1.0)
+
+
+def test_a_single_bounce_exists_from_the_throw_number_on_that_can_throw_it_so_far() -> None:
+    least = 2.0 * math.pi * (1.0 - 0.2) / (1.0 + 0.2)
+    below, above = (single_bounce(sinusoidal(least * x), 0.2, 2, 0) for x in (1.0 - 1e-9, 1.0 + 1e-9))
+    assert not below.exists
+    assert not below.stable
+    assert math.isnan(below.phase)
+    assert math.isnan(below.speed)
+    assert above.exists
+    assert above.phase == pytest.approx(0.0, abs=1e-4)
+    assert not single_bounce(sinusoidal(math.pi), 0.0, 1, 0).exists  # equality
