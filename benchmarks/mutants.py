@@ -142,7 +142,8 @@ class Copy:
         code = os.waitstatus_to_exitcode(status)
         failed = re.findall(r"^(?:FAILED|ERROR) tests/(.*?)(?: - .*)?$", text, flags=re.MULTILINE)
         if code not in (0, *range(2, 6)) and not failed:  # it ended in the test that began last
-            code, failed = 1, re.findall(r"^tests/(\S+::\S+)", text, flags=re.MULTILINE)[-1:]
+            begun = re.findall(r"^tests/(\S+::.*?)(?: [A-Z]+ .*)? *$", text, flags=re.MULTILINE)
+            code, failed = 1, begun[-1:]
         said = text.strip().rpartition("\n")[2]
         return Outcome(code, failed, said, used.ru_utime + used.ru_stime)
 
