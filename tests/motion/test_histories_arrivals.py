@@ -41,10 +41,11 @@ def test_a_body_is_there_on_arrival_and_never_was_before(
     size, f = float(scene.scale), float(scene.frequency)
     start = {"start_phase": phase, "start_velocity": velocity * size * TURN * f}
     time = float(vibro.arrival_time(scene, reach * size, **start))
-    history = vibro.simulate(scene, duration=min(time, 12.0 / f), **start)
+    is_soon = time <= 12.0 / f  # not where it is unknown, NaN: the body has hardly a net advance
+    history = vibro.simulate(scene, duration=time if is_soon else 12.0 / f, **start)
     slack = 1e-12 * max(reach, 1.0) * size
     assert max(phase.end_position for phase in history.phases) <= reach * size + slack  # slides are monotone
-    if time <= 12.0 / f:
+    if is_soon:
         assert history.sample(history.end).position == pytest.approx(reach * size, abs=slack)
 
 
