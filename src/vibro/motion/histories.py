@@ -70,7 +70,8 @@ def arrival_time(
         Times, of the common shape [s]. inf if the body never arrives: it rests for ever, or its steady cycle
         has no net advance and the transient is shorter than the length. NaN if the time is unknown: for
         infeasible scenes, for flights that amplify rounding errors beyond 1e-9 rad, for loads and frictions
-        above 1e50, and for arrivals later than 1e15 drive cycles.
+        above 1e50, for arrivals later than 1e15 drive cycles, and where a body has not settled after two
+        million slides.
 
     Raises
     ------
