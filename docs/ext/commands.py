@@ -5,7 +5,7 @@ stands for any lines: its answer, or of a command that has none (``vibro map``) 
 0, or with the code that a comment above it names: ``<!-- exit code 4 -->``. A ``bash`` block holds commands,
 a ``python`` block a script. They run in a folder that has the examples, one folder a page, so that the page
 can show their pictures: ``../_made/feeder/out/nut-speed.png`` is the picture that ``-o out/nut`` of
-``tasks/feeder.md`` writes. Tests that have no built site run the same pages.
+``tasks/feeder.md`` writes.
 """
 
 from __future__ import annotations

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Final
 
-#: Endings of pictures, as ``vibro.plots`` has them, and of what the commands of series write: tables, their
-#: description, pictures.
-PICTURES: Final = ("png", "svg", "pdf")
+from vibro.results.drawing import PICTURES
+
+#: Endings of what the commands of series write: tables, their description, pictures.
 SERIES: Final = ("csv", "json", "html", *PICTURES)
 #: The same of commands whose answers are no pages.
 HISTORIES: Final = ("csv", "json", *PICTURES)

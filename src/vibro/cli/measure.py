@@ -7,11 +7,11 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Final
 
 from vibro.cli.exit_codes import ExitCode
-from vibro.cli.forms import PICTURES
 from vibro.cli.options import AllOption, Options, option, rare
 from vibro.core.codes import Status
 from vibro.errors import InputError, argument, cut, shown
 from vibro.quantities import QUANTITIES, STANDS_FOR, scene_fields
+from vibro.results.drawing import PICTURES
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

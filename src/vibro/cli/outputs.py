@@ -11,8 +11,9 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, Self
 
-from vibro.cli.forms import PICTURES, SERIES
+from vibro.cli.forms import SERIES
 from vibro.errors import FileError, InputError
+from vibro.results.drawing import PICTURES
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -53,10 +53,10 @@ def map_stored(
     FileError
         If the folder cannot be read, or the files cannot be written.
     """
-    from vibro.cli.forms import PICTURES
     from vibro.cli.outputs import Outputs
     from vibro.cli.sweeps import Pictures, drawn, tell_peaks
     from vibro.quantities import LEAST_SPEED, checked_number
+    from vibro.results.drawing import PICTURES
     from vibro.sweeps.solved import pictures_of, view_of
     from vibro.tables.plan import MANIFEST
     from vibro.tables.record import sweep_record

@@ -12,6 +12,7 @@ from vibro.errors import FileError, InputError, shown
 from vibro.plots.style import house_style, visible
 from vibro.plots.subjects import SUBJECTS
 from vibro.plots.view import choose_view, panels
+from vibro.results.drawing import PICTURES
 from vibro.version import __version__
 
 if TYPE_CHECKING:
@@ -27,8 +28,6 @@ _DRAWN: Final = (
     "regime", "mean_velocity", "displacement_per_cycle", "period_cycles", "mean_velocity_error", "coexists",
     "status",
 )  # fmt: skip
-#: Endings of the files of pictures.
-FORMS: Final = ("png", "svg", "pdf")
 #: Names of the pictures of a design.
 DESIGN_PICTURES: Final = ("regime", "speed", "band")
 _IN_PLACE_OF_LIMITS: Final = ("throw_number", "forward_ratio")
@@ -118,8 +117,8 @@ def saver(path: str | PathLike[str] | None) -> Callable[[Figure], Figure]:
         return lambda figure: figure
     file = Path(path)
     form = file.suffix[1:].casefold()
-    if form not in FORMS:
-        endings = " or ".join(f".{form}" for form in FORMS)
+    if form not in PICTURES:
+        endings = " or ".join(f".{form}" for form in PICTURES)
         raise InputError(f"path = {shown(str(file))}: must end in {endings}")
 
     def write(figure: Figure) -> Figure:

@@ -12,6 +12,9 @@ if TYPE_CHECKING:
     #: Draws a result, with the arguments of its method ``draw``.
     Drawing = Callable[..., Figure]
 
+#: Endings of the files of pictures.
+PICTURES = ("png", "svg", "pdf")
+
 _found: list[Callable[[str], Drawing]] = []
 
 
